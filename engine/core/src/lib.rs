@@ -1,0 +1,1 @@
+//! The model: object file, joint, actions, observation, reward, belief, controller.

@@ -1,0 +1,1 @@
+//! Trials of a policy and the figures that judge it.

@@ -1,0 +1,1 @@
+//! Loads plugins, finds them on the search path and checks that they keep the contract.

@@ -1,0 +1,1 @@
+//! The policy file: its contract, writing it as ONNX, running it.

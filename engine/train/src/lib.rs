@@ -1,0 +1,1 @@
+//! The surrogate MDP over belief summaries and PPO.

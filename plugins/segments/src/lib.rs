@@ -1,0 +1,1 @@
+//! Observation model: piecewise Gaussian over calibration segments, eq. (11).

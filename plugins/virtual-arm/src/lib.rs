@@ -1,0 +1,1 @@
+//! Driver: an arm and a real object, simulated.

@@ -1,0 +1,5 @@
+//! The object file.
+
+pub mod raw;
+
+pub use raw::ObjectFile;

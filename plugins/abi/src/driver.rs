@@ -43,10 +43,10 @@ pub struct Reading {
     pub status: DriverStatus,
 }
 
-/// A driver. The engine calls it from one thread at a time.
+/// A driver. The engine calls it from one thread at a time, not always the same one.
 ///
 /// It must come to rest by itself, by a ramp, when a command's expiry passes without another.
-pub trait Driver: Sized + 'static {
+pub trait Driver: Send + Sized + 'static {
     /// The name an object file uses.
     const NAME: &'static str;
     /// The plugin's own version.
@@ -87,7 +87,7 @@ pub trait Driver: Sized + 'static {
     /// Where the robot cannot be told.
     fn stop(&mut self) -> Result<(), PluginError>;
 
-    /// Whether [`advance_to`](Self::advance_to) works.
+    /// Whether [`advance_to`](Self::advance_to) works. Without it the table leaves the function out.
     const VIRTUAL_TIME: bool = false;
 
     /// From the first call on, time stands still but for these calls.

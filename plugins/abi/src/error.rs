@@ -12,7 +12,9 @@ pub struct PluginError {
 impl PluginError {
     /// An error with the given account.
     pub fn new(message: impl Into<String>) -> Self {
-        Self { message: message.into() }
+        Self {
+            message: message.into(),
+        }
     }
 }
 

@@ -10,12 +10,23 @@
 //! order of the object file, arrays are channel-major `[C][N]` in `f32`, time is nanoseconds of
 //! the host's monotonic clock.
 
+mod boundary;
 pub mod driver;
 pub mod error;
+mod export;
+mod export_driver;
+mod export_model;
 pub mod observation_model;
 pub mod setup;
+pub mod table;
 
 pub use driver::{Driver, DriverStatus, Reading, Twist};
 pub use error::PluginError;
-pub use observation_model::{Channel, ChannelKind, GridTransitions, ObservationModel, Support, Transitions};
-pub use setup::{ActionSetup, BeliefSetup, ControlSetup, DriverSetup, JointSetup, JointType, Mode, ModelSetup};
+pub use export_driver::driver_table;
+pub use export_model::observation_model_table;
+pub use observation_model::{
+    Channel, ChannelKind, GridTransitions, ObservationModel, Support, Transitions,
+};
+pub use setup::{
+    ActionSetup, BeliefSetup, ControlSetup, DriverSetup, JointSetup, JointType, Mode, ModelSetup,
+};

@@ -1,0 +1,70 @@
+//! `[driver] params` of an object file.
+
+use pubs_plugin::PluginError;
+use serde::Deserialize;
+use serde_json::Value;
+
+use crate::world::{World, WorldError};
+
+/// JSON Schema of [`Params`].
+pub(crate) const SCHEMA: &str = r#"{
+  "type": "object",
+  "additionalProperties": false,
+  "required": ["world"],
+  "properties": {
+    "world": { "type": "string", "description": "built-in world, or path of a .toml file" },
+    "start": { "type": "number", "minimum": 0, "maximum": 1, "description": "joint state at first, as a fraction of the range; drawn from the seed where left out" },
+    "friction_scale": { "type": "number", "minimum": 0, "maximum": 10, "description": "dry and viscous friction times this" },
+    "catch_scale": { "type": "number", "minimum": 0, "maximum": 10, "description": "force of catch and seal times this" }
+  }
+}"#;
+
+/// Greatest factor of a `_scale`.
+const GREATEST_SCALE: f64 = 10.0;
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Params {
+    pub world: String,
+    pub start: Option<f64>,
+    #[serde(default = "one")]
+    pub friction_scale: f64,
+    #[serde(default = "one")]
+    pub catch_scale: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl Params {
+    /// Reads the whole `[driver]` table.
+    pub(crate) fn from_driver_table(table: &Value) -> Result<Self, PluginError> {
+        let params = table.get("params").cloned().unwrap_or_else(|| serde_json::json!({}));
+        let params: Self =
+            serde_json::from_value(params).map_err(|error| PluginError::new(format!("params: {error}")))?;
+        params.in_range("start", params.start.unwrap_or(0.0), 1.0)?;
+        params.in_range("friction_scale", params.friction_scale, GREATEST_SCALE)?;
+        params.in_range("catch_scale", params.catch_scale, GREATEST_SCALE)?;
+        Ok(params)
+    }
+
+    fn in_range(&self, name: &str, value: f64, greatest: f64) -> Result<(), PluginError> {
+        if (0.0..=greatest).contains(&value) {
+            return Ok(());
+        }
+        Err(PluginError::new(format!("params: {name} = {value}, but it must lie in 0 to {greatest}")))
+    }
+
+    /// The world, scaled.
+    pub(crate) fn world(&self) -> Result<World, WorldError> {
+        let mut world = World::load(&self.world)?;
+        let resistance = &mut world.resistance;
+        resistance.coulomb_n *= self.friction_scale;
+        resistance.viscous_n_s_per_m *= self.friction_scale;
+        resistance.ripple.amplitude *= self.friction_scale;
+        resistance.catch.force_n *= self.catch_scale;
+        resistance.seal.force_n *= self.catch_scale;
+        Ok(world)
+    }
+}

@@ -1,0 +1,41 @@
+//! The belief: a particle filter over the joint state and its summary, §III-B.
+//!
+//! Sequential importance sampling without resampling. One update is four steps:
+//! *predict* moves every particle by the measured displacement, eq. (6) ([`cloud`]);
+//! *weigh* multiplies by the likelihood of the observation, eq. (7) ([`likelihood`]);
+//! *normalise* makes the weights sum to one, eq. (8) ([`weights`]);
+//! *summarise* takes mean and entropy, eq. (9) and (10).
+//! Weights are kept as logarithms. [`filter`] says what happens when nothing fits any more.
+
+mod cloud;
+mod filter;
+mod likelihood;
+mod model;
+mod moments;
+mod weights;
+
+pub use cloud::Cloud;
+pub use filter::{BeliefError, Filter, Recovery, Update};
+pub use model::{Model, ModelError};
+
+/// `[belief]`: the filter's settings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BeliefSettings {
+    /// N.
+    pub particles: usize,
+    /// Filter updates per second (per policy step on abstract objects, see the actions).
+    pub rate_hz: f64,
+    /// Exponent on the likelihood of each counted force reading.
+    pub tempering: f64,
+    /// One force reading counts per this much travel or reversal (rad, m or plain); 0: every one.
+    pub reading_spacing: f64,
+}
+
+/// x_t = (μ_t, H_t), what the policy sees of a belief.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Summary {
+    /// μ of eq. (9) (rad, m or plain).
+    pub mean: f64,
+    /// H of eq. (10) divided by ln N: 1 is "know nothing".
+    pub entropy: f64,
+}

@@ -1,0 +1,79 @@
+//! The controller, eq. (12) and (13): actions to velocities.
+
+use nalgebra::Vector3;
+
+use crate::action::{Action, Mode, Motion};
+use crate::joint::{Direction, Path, Pose};
+
+/// `[control]`: speeds, forces and accelerations.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Control {
+    /// Commands per second.
+    pub rate_hz: f64,
+    /// v_safe.
+    pub safe_speed_m_s: f64,
+    /// v_high.
+    pub high_speed_m_s: f64,
+    /// F_t: safe mode stops above it.
+    pub force_threshold_n: f64,
+    /// No mode may exceed it; the guard stops in time.
+    pub force_limit_n: f64,
+    /// Bound on speeding up and on turning round.
+    pub acceleration_m_s2: f64,
+    /// Deceleration of every stop.
+    pub stop_deceleration_m_s2: f64,
+    /// Stiffness of grasp and object at a hard stop.
+    pub contact_stiffness_n_per_m: f64,
+}
+
+impl Control {
+    /// Speed of a mode, m/s.
+    pub fn speed_m_s(&self, mode: Mode) -> f64 {
+        match mode {
+            Mode::Safe => self.safe_speed_m_s,
+            Mode::HighForce => self.high_speed_m_s,
+        }
+    }
+
+    /// How much the force at a hard stop still grows after it is noticed at `speed_m_s`: two
+    /// control periods of delay, then a ramp, v²/2a.
+    pub fn stop_overshoot_n(&self, speed_m_s: f64) -> f64 {
+        let delay = speed_m_s * 2.0 / self.rate_hz;
+        let ramp = speed_m_s * speed_m_s / (2.0 * self.stop_deceleration_m_s2);
+        self.contact_stiffness_n_per_m * (delay + ramp)
+    }
+
+    /// v_s of eq. (13), signed along the path, positive towards open; `force_along_n` is
+    /// F_ee · ξ_dir for the direction of the action.
+    pub fn speed(&self, action: &Action, force_along_n: f64) -> f64 {
+        match action.motion {
+            Motion::Stop => 0.0,
+            Motion::Move {
+                mode: Mode::Safe, ..
+            } if force_along_n > self.force_threshold_n => 0.0,
+            Motion::Move { mode, .. } => action.sign() * self.speed_m_s(mode),
+        }
+    }
+
+    /// One control period's change of speed towards `target`: speeding up and turning round are
+    /// bounded by the acceleration, slowing down by the deceleration of a stop.
+    pub fn ramp(&self, speed: f64, target: f64) -> f64 {
+        let slowing = target == 0.0 || (speed * target > 0.0 && target.abs() < speed.abs());
+        let bound = if slowing {
+            self.stop_deceleration_m_s2
+        } else {
+            self.acceleration_m_s2
+        };
+        let step = bound / self.rate_hz;
+        speed + (target - speed).clamp(-step, step)
+    }
+}
+
+/// F_ee · ξ_dir for an action's direction, N; 0 for stop.
+pub fn force_along(path: &Path, pose: &Pose, action: &Action, force_tool: [f64; 3]) -> f64 {
+    if action.is_stop() {
+        return 0.0;
+    }
+    let direction = Direction::of(action.sign());
+    (pose.orientation * Vector3::from(force_tool)).dot(&path.tangent(pose, direction))
+}

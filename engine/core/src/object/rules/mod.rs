@@ -1,0 +1,103 @@
+//! Rules between keys. Each looks only at values that are right by themselves, so that all
+//! rules can be checked at once with the rest.
+
+mod actions;
+mod directions;
+mod limits;
+mod rates;
+mod stop_force;
+
+use figment::value::{Dict, Value};
+
+use super::check::number;
+use super::fault::Fault;
+use super::layers::Merged;
+use super::places::{Part, Places};
+
+pub use stop_force::stop_overshoot_n;
+
+/// Checks every rule. `at_fault` are the faults of single values.
+pub(super) fn check(merged: &Merged, places: &Places, at_fault: &[Fault]) -> Vec<Fault> {
+    let mut rules = Rules {
+        merged,
+        places,
+        at_fault,
+        faults: Vec::new(),
+    };
+    source(&mut rules);
+    limits::check(&mut rules);
+    directions::check(&mut rules);
+    actions::check(&mut rules);
+    rates::check(&mut rules);
+    stop_force::check(&mut rules);
+    rules.faults
+}
+
+struct Rules<'a> {
+    merged: &'a Merged,
+    places: &'a Places,
+    at_fault: &'a [Fault],
+    faults: Vec<Fault>,
+}
+
+impl Rules<'_> {
+    /// The value at a path, if it is there and nothing is wrong with it.
+    fn value(&self, path: &str) -> Option<&Value> {
+        let below = format!("{path}.");
+        let wrong = |fault: &Fault| fault.key == path || fault.key.starts_with(&below);
+        if self.at_fault.iter().any(wrong) {
+            return None;
+        }
+        lookup(&self.merged.values, path)
+    }
+
+    fn number(&self, path: &str) -> Option<f64> {
+        self.value(path).and_then(number)
+    }
+
+    fn numbers<const N: usize>(&self, path: &str) -> Option<[f64; N]> {
+        let list = self.value(path)?.as_array()?;
+        let numbers: Option<Vec<f64>> = list.iter().map(number).collect();
+        numbers?.try_into().ok()
+    }
+
+    fn text(&self, path: &str) -> Option<&str> {
+        self.value(path)?.as_str()
+    }
+
+    fn flag(&self, path: &str) -> Option<bool> {
+        self.value(path)?.to_bool()
+    }
+
+    fn fault(&mut self, key: &str, message: impl Into<String>, help: impl Into<String>) {
+        self.faults
+            .push(self.places.fault(key, Part::Value, message, help));
+    }
+}
+
+fn lookup<'v>(values: &'v Dict, path: &str) -> Option<&'v Value> {
+    let mut parts = path.split('.');
+    let mut value = values.get(parts.next()?)?;
+    for part in parts {
+        value = match value {
+            Value::Dict(_, inner) => inner.get(part)?,
+            Value::Array(_, list) => list.get(part.parse::<usize>().ok()?)?,
+            _ => return None,
+        };
+    }
+    Some(value)
+}
+
+/// Numbers that a sensor gave fit no other sensor, so the file says which.
+fn source(rules: &mut Rules<'_>) {
+    let arm = rules.value("control").is_some();
+    let from_sensor = matches!(rules.text("source.kind"), Some("measured" | "virtual"));
+    let named = lookup(&rules.merged.values, "source.sensor").is_some();
+    if arm && from_sensor && !named {
+        rules.fault(
+            "source.sensor",
+            "`source.sensor` is missing, and the numbers are not assumed",
+            "add `sensor = \"…\"` to [source], as the driver reports it; a driver with another sensor is refused",
+        );
+    }
+}

@@ -1,0 +1,259 @@
+//! A policy file: read once, checked in full, opened as often as there are threads.
+
+use std::fs::File;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::contract::Contract;
+use crate::error::{Fault, PolicyError};
+use crate::onnx::{self, Model, ValueInfo};
+use crate::policy::{Layout, Policy};
+use crate::{Expected, FeatureName, Runtime, Warning, seal};
+
+/// File formats that both runtimes read.
+const IR_VERSIONS: std::ops::RangeInclusive<u64> = 3..=13;
+/// Operator sets that both runtimes know; tract would take any other without a word.
+const OPSETS: std::ops::RangeInclusive<u64> = 9..=18;
+/// Far above any policy; keeps a wrong path from filling the memory.
+const LONGEST_BYTES: u64 = 1 << 30;
+
+/// A checked policy file, kept in memory: what was checked is what runs.
+#[derive(Debug, Clone)]
+pub struct PolicyFile {
+    path: PathBuf,
+    bytes: Arc<[u8]>,
+    contract: Option<Contract>,
+    inputs: Vec<FeatureName>,
+    layout: Layout,
+    sha256: String,
+}
+
+impl PolicyFile {
+    /// Reads a file that carries a contract.
+    ///
+    /// # Errors
+    /// Where it is not readable, damaged, of another version, or not as its contract says.
+    pub fn read(path: &Path) -> Result<Self, PolicyError> {
+        read(path)
+            .and_then(|bytes| Self::from_bytes(path, bytes))
+            .map_err(|fault| fault.of(path))
+    }
+
+    /// Reads a file of another trainer: one float32 input `[batch, inputs]` in SI, unscaled, and
+    /// one output `[batch, actions]`.
+    ///
+    /// # Errors
+    /// Where it is not readable, damaged, of unknown operators, or of another shape.
+    pub fn read_foreign(
+        path: &Path,
+        inputs: &[FeatureName],
+        actions: usize,
+    ) -> Result<Self, PolicyError> {
+        let read = || {
+            let bytes = read(path)?;
+            let model = checked_model(&bytes)?;
+            finite(&model)?;
+            Self::assemble(path, bytes, &model, None, inputs.to_vec(), actions)
+        };
+        read().map_err(|fault| fault.of(path))
+    }
+
+    fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, Fault> {
+        let model = checked_model(&bytes)?;
+        let contract = seal::open(&model)?;
+        finite(&model)?;
+        named(&model.inputs, onnx::INPUT, "input")?;
+        named(&model.outputs, onnx::OUTPUT, "output")?;
+        let inputs = contract.inputs.iter().map(|feature| feature.name).collect();
+        let actions = contract.actions.len();
+        Self::assemble(path, bytes, &model, Some(contract), inputs, actions)
+    }
+
+    fn assemble(
+        path: &Path,
+        bytes: Vec<u8>,
+        model: &Model,
+        contract: Option<Contract>,
+        inputs: Vec<FeatureName>,
+        actions: usize,
+    ) -> Result<Self, Fault> {
+        let layout = layout(model, inputs.len(), actions)?;
+        let sha256 = model.weights_sha256.clone();
+        Ok(Self {
+            path: path.to_owned(),
+            bytes: bytes.into(),
+            contract,
+            inputs,
+            layout,
+            sha256,
+        })
+    }
+
+    /// Where it was read from.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What it promises; `None` for a file of another trainer.
+    #[must_use]
+    pub fn contract(&self) -> Option<&Contract> {
+        self.contract.as_ref()
+    }
+
+    /// What it reads, in order.
+    #[must_use]
+    pub fn inputs(&self) -> &[FeatureName] {
+        &self.inputs
+    }
+
+    /// The number of its logits.
+    #[must_use]
+    pub fn actions(&self) -> usize {
+        self.layout.actions
+    }
+
+    /// The sha256 of its weights: its name in logs.
+    #[must_use]
+    pub fn sha256(&self) -> &str {
+        &self.sha256
+    }
+
+    /// [`Contract::compare`], with the file's name put to a mismatch. A file of another trainer
+    /// promises nothing and is taken as it is.
+    ///
+    /// # Errors
+    /// Where the policy is of another task, other actions or another goal.
+    pub fn check(&self, expected: &Expected) -> Result<Vec<Warning>, PolicyError> {
+        match &self.contract {
+            None => Ok(Vec::new()),
+            Some(contract) => contract
+                .compare(expected)
+                .map_err(|fault| Fault::from(fault).of(&self.path)),
+        }
+    }
+
+    /// A session for one thread, tried out once so that it fails here or never and its first
+    /// action is as quick as any.
+    ///
+    /// # Errors
+    /// Where the runtime refuses it.
+    pub fn open(&self, runtime: &Runtime) -> Result<Policy, PolicyError> {
+        let refused = |message| {
+            Fault::Runtime {
+                runtime: runtime.to_string(),
+                message,
+            }
+            .of(&self.path)
+        };
+        let session = runtime.session(&self.bytes).map_err(refused)?;
+        let mut policy = Policy::new(session, self.layout);
+        let middle = vec![0.5; self.layout.features];
+        policy
+            .logits(&middle, 1, &mut Vec::new())
+            .map_err(|fault| refused(fault.to_string()))?;
+        Ok(policy)
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, Fault> {
+    let metadata = std::fs::metadata(path).map_err(Fault::Read)?;
+    if !metadata.is_file() {
+        return Err(Fault::NotAFile);
+    }
+    if metadata.len() > LONGEST_BYTES {
+        return Err(Fault::TooLong(metadata.len()));
+    }
+    let mut bytes = Vec::new();
+    let mut file = File::open(path).map_err(Fault::Read)?;
+    file.read_to_end(&mut bytes).map_err(Fault::Read)?;
+    Ok(bytes)
+}
+
+fn checked_model(bytes: &[u8]) -> Result<Model, Fault> {
+    let model = Model::read(bytes).map_err(Fault::Damaged)?;
+    if !IR_VERSIONS.contains(&model.ir_version) {
+        return Err(Fault::IrVersion {
+            found: model.ir_version,
+        });
+    }
+    if !OPSETS.contains(&model.opset) {
+        return Err(Fault::Opset { found: model.opset });
+    }
+    Ok(model)
+}
+
+/// tanh swallows NaN, so the logits would not show it.
+fn finite(model: &Model) -> Result<(), Fault> {
+    model
+        .not_finite
+        .clone()
+        .map_or(Ok(()), |described| Err(Fault::NotFinite(described)))
+}
+
+fn named(values: &[ValueInfo], name: &str, kind: &str) -> Result<(), Fault> {
+    if values.iter().any(|value| value.name == name) {
+        return Ok(());
+    }
+    Err(Fault::Shape(format!("has no {kind} named {name:?}")))
+}
+
+fn layout(model: &Model, features: usize, actions: usize) -> Result<Layout, Fault> {
+    let rows = sole(&model.inputs, "input", features)?;
+    sole(&model.outputs, "output", actions)?;
+    if features == 0 || actions == 0 {
+        return Err(Fault::Shape(
+            "needs at least one input and one action".into(),
+        ));
+    }
+    Ok(Layout {
+        features,
+        actions,
+        single_rows: rows == Some(1),
+    })
+}
+
+/// The only value, float32 and `[batch, width]`; gives the batch where the file fixes it.
+fn sole(values: &[ValueInfo], kind: &str, width: usize) -> Result<Option<u64>, Fault> {
+    let [value] = values else {
+        let names: Vec<&str> = values.iter().map(|value| value.name.as_str()).collect();
+        return Err(Fault::Shape(format!(
+            "has {} {kind}s {names:?}, not one",
+            names.len()
+        )));
+    };
+    let name = &value.name;
+    if !value.float32 {
+        return Err(Fault::Shape(format!(
+            "has an {kind} {name:?} that is not float32"
+        )));
+    }
+    match value.shape.as_deref() {
+        Some([batch, columns]) if columns.is_none_or(|columns| columns == width as u64) => {
+            match batch {
+                None | Some(1) => Ok(*batch),
+                Some(rows) => Err(Fault::Shape(format!(
+                    "takes {rows} rows at once, not one or any number"
+                ))),
+            }
+        }
+        shape => {
+            let found = shape.map_or("unknown".to_owned(), described);
+            Err(Fault::Shape(format!(
+                "has an {kind} {name:?} of shape {found}, not [batch, {width}]"
+            )))
+        }
+    }
+}
+
+fn described(shape: &[Option<u64>]) -> String {
+    let sizes: Vec<String> = shape
+        .iter()
+        .map(|size| size.map_or("any".to_owned(), |size| size.to_string()))
+        .collect();
+    format!("[{}]", sizes.join(", "))
+}
+
+#[cfg(test)]
+mod tests;

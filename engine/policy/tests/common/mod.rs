@@ -1,0 +1,170 @@
+//! Networks, contracts and inputs for the tests of this crate.
+#![allow(dead_code, clippy::unwrap_used)]
+
+use pubs_policy::contract::FORMAT_VERSION;
+use pubs_policy::{
+    Contract, Dense, Existing, Feature, FeatureName, Goal, Network, PolicyFile, Reference, Runtime,
+    Shield, Unit, export,
+};
+use serde_json::{Value, json};
+
+/// Knuth's 64-bit linear congruential generator.
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 >> 33
+    }
+
+    pub fn below(&mut self, limit: usize) -> usize {
+        self.bits() as usize % limit
+    }
+
+    /// In [-1, 1).
+    pub fn signed(&mut self) -> f64 {
+        self.bits() as f64 / (1_u64 << 30) as f64 - 1.0
+    }
+}
+
+pub const WIDTHS: [usize; 5] = [3, 64, 64, 64, 5];
+
+pub fn network(seed: u64, widths: &[usize]) -> Network {
+    let mut random = Random(seed);
+    let layers = widths
+        .windows(2)
+        .map(|pair| dense(&mut random, pair[0], pair[1]))
+        .collect();
+    Network {
+        inputs: features(widths[0]),
+        layers,
+    }
+}
+
+fn dense(random: &mut Random, inputs: usize, outputs: usize) -> Dense {
+    let spread = 2.0 / (inputs as f64).sqrt();
+    let mut values = |count: usize| {
+        (0..count)
+            .map(|_| (spread * random.signed()) as f32)
+            .collect()
+    };
+    Dense {
+        inputs,
+        outputs,
+        weights: values(inputs * outputs),
+        bias: values(outputs),
+    }
+}
+
+fn features(count: usize) -> Vec<Feature> {
+    let feature = |name, unit, lower, upper, offset, scale| Feature {
+        name,
+        unit,
+        lower,
+        upper,
+        offset,
+        scale,
+    };
+    let all = [
+        feature(FeatureName::MeanState, Unit::Radian, 0.0, 2.25, 1.125, 0.75),
+        feature(FeatureName::Entropy, Unit::Plain, 0.0, 1.0, 0.5, 2.0),
+        feature(
+            FeatureName::MeanMinusGoal,
+            Unit::Radian,
+            -2.25,
+            2.25,
+            0.0,
+            0.5,
+        ),
+    ];
+    all.into_iter().cycle().take(count).collect()
+}
+
+pub fn task() -> Value {
+    json!({
+        "joint": {"type": "revolute", "lower": 0.0, "upper": 2.25},
+        "actions": [{"name": "stop"}, {"name": "safe_open"}],
+        "control": {"safe_speed_m_s": 0.05, "high_speed_m_s": 0.15, "rate_hz": 100},
+        "belief": {"particles": 300, "tempering": 1.0},
+    })
+}
+
+pub fn contract(network: &Network) -> Contract {
+    let mut contract = Contract {
+        format_version: FORMAT_VERSION,
+        object: "door2".into(),
+        task_hash: String::new(),
+        task: String::new(),
+        observation_hash: "0b5e".repeat(16),
+        goal: Goal::Fixed {
+            value: 1.125,
+            fraction: 0.5,
+        },
+        tolerance: 0.125,
+        inputs: network.inputs.clone(),
+        actions: (0..network.actions())
+            .map(|action| format!("action{action}"))
+            .collect(),
+        shield: Some(Shield {
+            mass: 0.001,
+            flattening: 0.3,
+        }),
+        discount: 0.99,
+        policy_rate_hz: 10.0,
+        seed: u64::MAX,
+        steps: 500_000,
+        recipe: "default".into(),
+        evaluation_reward: 0.875,
+        engine_version: "0.1.0".into(),
+    };
+    contract.set_task(&task());
+    contract
+}
+
+/// `[rows][features]`, spread over twice the ranges of training.
+pub fn inputs(seed: u64, network: &Network, rows: usize) -> Vec<f32> {
+    let mut random = Random(seed);
+    let row = |_| {
+        let mut value = |feature: &Feature| {
+            let middle = (feature.lower + feature.upper) / 2.0;
+            (middle + (feature.upper - feature.lower) * random.signed()) as f32
+        };
+        network.inputs.iter().map(&mut value).collect::<Vec<f32>>()
+    };
+    (0..rows).flat_map(row).collect()
+}
+
+pub fn logits(network: &Network, inputs: &[f32]) -> Vec<f32> {
+    let mut logits = vec![0.0; inputs.len() / network.inputs.len() * network.actions()];
+    network.forward(inputs, &mut logits);
+    logits
+}
+
+/// Writes a policy and gives its bytes too.
+pub fn written(
+    directory: &std::path::Path,
+    network: &Network,
+    runtime: &Runtime,
+) -> (PolicyFile, Vec<u8>) {
+    let path = directory.join("door2.onnx");
+    let inputs = inputs(1, network, 1000);
+    let logits = logits(network, &inputs);
+    let reference = Reference {
+        inputs: &inputs,
+        logits: &logits,
+    };
+    let file = export::write(
+        &path,
+        network,
+        &contract(network),
+        reference,
+        runtime,
+        Existing::Overwrite,
+    )
+    .unwrap();
+    let bytes = std::fs::read(path).unwrap();
+    (file, bytes)
+}

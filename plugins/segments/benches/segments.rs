@@ -15,18 +15,18 @@ const CHANNELS: usize = 4;
 const UPPER_DEG: f64 = 125.0;
 
 fn main() {
-    println!("ns for one call, median of 51 batches");
+    println!("ns for one call: median (least) of 51 batches");
     for unit in VectorUnit::ALL
         .into_iter()
         .filter(|unit| unit.is_available())
     {
         for count in [1, 2, 300, 3000] {
             let scattered = time_ns(count, moments_call(unit, count));
-            println!("{unit:?}: moments      N = {count:4}: {scattered:9.1}");
+            println!("{unit:?}: moments      N = {count:4}: {scattered}");
         }
         for count in [300, 3000] {
             let gridded = time_ns(count, grid_call(unit, count));
-            println!("{unit:?}: moments_grid N = {count:4}: {gridded:9.1}");
+            println!("{unit:?}: moments_grid N = {count:4}: {gridded}");
         }
     }
 }
@@ -34,8 +34,9 @@ fn main() {
 fn moments_call(unit: VectorUnit, count: usize) -> impl FnMut(usize) {
     let model = model(count.max(300), unit);
     let range = UPPER_DEG.to_radians() as f32;
+    // In order, as particles are.
     let before: Vec<f32> = (0..count)
-        .map(|i| (i as f32 * 0.618_034).fract() * range)
+        .map(|i| (i as f32 + 0.5) / count as f32 * range)
         .collect();
     let after: Vec<f32> = before.iter().map(|state| state + 0.01).collect();
     let (mut mean, mut sigma) = (vec![0.0; CHANNELS * count], vec![0.0; CHANNELS * count]);
@@ -68,7 +69,7 @@ fn grid_call(unit: VectorUnit, count: usize) -> impl FnMut(usize) {
     }
 }
 
-fn time_ns(count: usize, mut call: impl FnMut(usize)) -> f64 {
+fn time_ns(count: usize, mut call: impl FnMut(usize)) -> String {
     let calls = (200_000 / count).clamp(100, 20_000);
     let mut batches: Vec<f64> = (0..51)
         .map(|_| {
@@ -78,7 +79,7 @@ fn time_ns(count: usize, mut call: impl FnMut(usize)) -> f64 {
         })
         .collect();
     batches.sort_by(f64::total_cmp);
-    batches[batches.len() / 2]
+    format!("{:9.1} ({:.1})", batches[batches.len() / 2], batches[0])
 }
 
 /// A hinge with a detent near the closed limit, as a calibration would describe it.

@@ -6,7 +6,7 @@ use pubs_plugin::{
 };
 
 use crate::channel;
-use crate::kernel::{Grid, Kernel, Output, VectorUnit};
+use crate::kernel::{Grid, Kernel, Output, States, VectorUnit};
 use crate::lattice::Lattice;
 use crate::nodes::Nodes;
 use crate::read;
@@ -82,9 +82,10 @@ impl ObservationModel for Segments {
         let nodes = self.nodes(action)?;
         let count = after.len();
         check_lengths(count, before.len(), mean, sigma)?;
+        let states = States { before, after };
         if self
             .kernel
-            .scattered(&self.lattice, nodes, before, after, Output { mean, sigma })
+            .scattered(&self.lattice, nodes, states, Output { mean, sigma })
         {
             Ok(Support::Given)
         } else {

@@ -1,7 +1,7 @@
 //! One action's model, tabulated at the nodes of a lattice.
 
 use crate::channel::{self, MOTION, MOTION_PROBABILITY};
-use crate::lattice::Lattice;
+use crate::lattice::{Lattice, Span};
 use crate::piecewise::{Piecewise, Segment};
 
 /// Lanes of a [`Row`]: the mean of each channel, then the sigma of each.
@@ -31,8 +31,8 @@ const AT_REST: Row = {
 pub(crate) struct Nodes {
     /// Row k is node k; one row more than nodes, equal to the last, ends every interpolation.
     pub(crate) rows: Vec<Row>,
-    /// For each lane but the unread one, [`phases`](Nodes::phases) runs of `stride` values: entry
-    /// j of run r is node m·j + r, so neighbouring particles are neighbours in memory.
+    /// For each phase 0 .. m, for each lane but the unread one, a run of `stride` values: entry j of
+    /// phase r is node m·j + r, so neighbouring particles are neighbours in memory.
     by_phase: Vec<f32>,
     phases: usize,
     stride: usize,
@@ -68,7 +68,11 @@ impl Nodes {
         let stride = rows.len().div_ceil(phases);
         let mut by_phase = vec![0.0; UNREAD_LANE * phases * stride];
         for (i, value) in by_phase.iter_mut().enumerate() {
-            let (lane, phase, j) = (i / (phases * stride), i / stride % phases, i % stride);
+            let (phase, lane, j) = (
+                i / (UNREAD_LANE * stride),
+                i / stride % UNREAD_LANE,
+                i % stride,
+            );
             *value = rows[(phases * j + phase).min(lattice.last)][lane];
         }
         Self {
@@ -79,11 +83,33 @@ impl Nodes {
         }
     }
 
-    /// Values of `lane` at `node`, `node` + m, `node` + 2m, …: `count` of them, in one piece.
+    /// Value of `lane` at the lower limit.
     #[inline(always)]
-    pub(crate) fn every_mth(&self, lane: usize, node: usize, count: usize) -> &[f32] {
-        let (phase, j) = (node % self.phases, node / self.phases);
-        let start = (lane * self.phases + phase) * self.stride + j;
-        &self.by_phase[start..start + count]
+    pub(crate) fn first(&self, lane: usize) -> f32 {
+        self.rows[0][lane]
+    }
+
+    /// Value of `lane` at the upper limit.
+    #[inline(always)]
+    pub(crate) fn last(&self, lane: usize) -> f32 {
+        self.rows[self.rows.len() - 1][lane]
+    }
+
+    /// Values of `lane` at the nodes below and above each hypothesis inside the table.
+    #[inline(always)]
+    pub(crate) fn around(&self, lane: usize, span: &Span) -> (&[f32], &[f32]) {
+        let run = |phase: usize, entry: usize| (phase * UNREAD_LANE + lane) * self.stride + entry;
+        let low = run(span.phase, span.entry);
+        // The node after the last phase of a particle is the first phase of the next.
+        let wraps = span.phase + 1 == self.phases;
+        let high = if wraps {
+            run(0, span.entry + 1)
+        } else {
+            run(span.phase + 1, span.entry)
+        };
+        (
+            &self.by_phase[low..][..span.inside],
+            &self.by_phase[high..][..span.inside],
+        )
     }
 }

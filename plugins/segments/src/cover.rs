@@ -1,11 +1,10 @@
 //! The segments of each action and channel must tile the range of the joint.
 
-use pubs_plugin::{JointSetup, ModelSetup};
+use pubs_plugin::{ActionSetup, JointSetup, ModelSetup};
 
 use crate::channel;
 use crate::faults::Faults;
 use crate::piecewise::Segment;
-use crate::read::movements;
 use crate::unit::Unit;
 
 /// What is known of a segment that could not be read: where it may belong, no gap is reported,
@@ -57,6 +56,14 @@ pub(crate) fn check(
             group.check(&own);
         }
     }
+}
+
+/// Actions that need segments.
+fn movements(actions: &[ActionSetup]) -> impl Iterator<Item = (usize, &ActionSetup)> {
+    actions
+        .iter()
+        .enumerate()
+        .filter(|(_, action)| !action.stop)
 }
 
 struct Group<'a> {

@@ -1,5 +1,7 @@
 //! The regular nodes at which a model is tabulated, and where a state lies among them.
 
+use std::ops::RangeInclusive;
+
 use pubs_plugin::{ModelSetup, PluginError};
 
 use crate::piecewise::Segment;
@@ -8,8 +10,8 @@ use crate::piecewise::Segment;
 const MIN_NODES: f64 = 2_000.0;
 /// Nodes over the range up to which knots that lie close together refine a table.
 const MAX_REFINED_NODES: f64 = 20_000.0;
-/// Nodes over the range that no table exceeds.
-const MAX_NODES: f64 = 2_000_000.0;
+/// Distances of particles that the range may hold; beyond, a table would be pointless or huge.
+const PARTICLES_APART: RangeInclusive<f64> = 0.5..=2_000_000.0;
 /// Grid spacings that differ by less, relatively, count as the prepared one.
 const SPACING_TOLERANCE: f64 = 1e-5;
 
@@ -48,15 +50,19 @@ impl Lattice {
     /// Chooses the nodes for an object.
     ///
     /// # Errors
-    /// Where the range or the spacing is not positive, or the spacing is too fine to tabulate.
+    /// Where the range or the spacing is not positive, or they do not go together.
     pub(crate) fn new(setup: &ModelSetup, segments: &[Segment]) -> Result<Self, PluginError> {
         let (lower, spacing) = (setup.joint.lower, setup.belief.spacing);
         let range = setup.joint.upper - lower;
         let particles_apart = range / spacing;
-        if !(range > 0.0 && range.is_finite() && spacing > 0.0 && particles_apart <= MAX_NODES) {
+        let possible =
+            range > 0.0 && range.is_finite() && PARTICLES_APART.contains(&particles_apart);
+        if !possible {
             return Err(PluginError::new(format!(
-                "belief: a range of {range} with particles {spacing} apart; both must be positive and the range at most \
-                 {MAX_NODES} particles wide; correct the joint's limits or take fewer particles"
+                "belief: a range of {range} with particles {spacing} apart; the range must be positive and {} to {} \
+                 times as wide as the distance of particles; correct the joint's limits or the number of particles",
+                PARTICLES_APART.start(),
+                PARTICLES_APART.end()
             )));
         }
         let knots = segments

@@ -1,6 +1,6 @@
 //! From the `[observation]` table to checked segments.
 
-use pubs_plugin::{ActionSetup, ModelSetup, PluginError};
+use pubs_plugin::{ModelSetup, PluginError};
 use serde_json::{Map, Value};
 
 use crate::channel;
@@ -216,9 +216,10 @@ fn body(
         let sigma = fields.curve("sigma_n", &positions, &POSITIVE);
         mean.zip(sigma)
     };
+    let curves = curves?;
     unused_positions(fields, &positions);
     let (from, to) = ends?;
-    Some((from, to, curves?))
+    Some((from, to, curves))
 }
 
 fn ends(fields: &mut Fields<'_>) -> Option<(f64, f64)> {
@@ -255,12 +256,4 @@ fn unused_positions(fields: &mut Fields<'_>, positions: &Positions) {
             &format!("remove {key}, or give one value for each position"),
         );
     }
-}
-
-/// Actions that need segments.
-pub(crate) fn movements(actions: &[ActionSetup]) -> impl Iterator<Item = (usize, &ActionSetup)> {
-    actions
-        .iter()
-        .enumerate()
-        .filter(|(_, action)| !action.stop)
 }

@@ -1,1 +1,33 @@
-//! The surrogate MDP over belief summaries and PPO.
+//! Training: PPO (Schulman et al., 2017) in native `f32`, §III-B and §IV-A.3.
+//!
+//! [`train`] takes copies of a task ([`Environments`]), a [`Recipe`] and a seed, and gives back a
+//! policy as plain layers of weights. `ppo` reads like the algorithm: collect a rollout, estimate
+//! advantages, go over it in minibatches. What takes the time is in `kernels`: loops compiled for
+//! each [`VectorUnit`] and chosen when the program runs. One thread, one seed, named streams of
+//! random numbers ([`rng`]): the same seed gives the same weights on the same vector unit.
+
+mod adam;
+mod environment;
+mod error;
+mod gae;
+mod kernels;
+mod learner;
+mod loss;
+mod network;
+mod policy;
+mod ppo;
+mod progress;
+mod recipe;
+pub mod rng;
+mod rollout;
+mod scaling;
+
+pub use environment::{End, Environments, StepOutcome};
+pub use error::TrainError;
+pub use kernels::VectorUnit;
+pub use network::DenseLayer;
+pub use policy::Policy;
+pub use ppo::{Settings, Trained, train};
+pub use progress::Progress;
+pub use recipe::{InputRange, Recipe, Schedule, UnknownRecipe};
+pub use scaling::InputScaling;

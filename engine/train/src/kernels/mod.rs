@@ -1,0 +1,15 @@
+//! The arithmetic that takes the time: plain loops, compiled once for each vector unit.
+
+pub(crate) mod buffer;
+pub(crate) mod column;
+pub(crate) mod exponential;
+pub(crate) mod matrix;
+pub(crate) mod sum;
+pub(crate) mod tanh;
+pub(crate) mod transpose;
+pub(crate) mod unit;
+
+#[cfg(test)]
+pub(crate) mod tests;
+
+pub use unit::VectorUnit;

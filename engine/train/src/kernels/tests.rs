@@ -1,0 +1,171 @@
+//! Each kernel on each unit of this machine against the same thing in `f64`.
+
+use super::exponential::{exp, ln};
+use super::matrix::{LANES, Left, Shape, Start, multiply, padded};
+use super::sum::sum_of_squares;
+use super::tanh::{apply_tanh, backward_tanh};
+use super::transpose::transpose;
+use super::unit::{Arithmetic, VectorUnit, dispatched};
+use rand::RngExt;
+
+dispatched! {
+    fn apply_exp(values: &mut [f32]) = apply_exp_body
+}
+
+#[inline(always)]
+fn apply_exp_body<A: Arithmetic>(values: &mut [f32]) {
+    values.iter_mut().for_each(|value| *value = exp::<A>(*value));
+}
+
+dispatched! {
+    fn apply_ln(values: &mut [f32]) = apply_ln_body
+}
+
+#[inline(always)]
+fn apply_ln_body<A: Arithmetic>(values: &mut [f32]) {
+    values.iter_mut().for_each(|value| *value = ln::<A>(*value));
+}
+
+fn random(count: usize, name: &str) -> Vec<f32> {
+    let mut generator = crate::rng::stream(7, name);
+    (0..count).map(|_| generator.random_range(-1.0..1.0)).collect()
+}
+
+#[test]
+fn units_have_names_that_find_them() {
+    for unit in VectorUnit::available() {
+        assert_eq!(VectorUnit::by_name(unit.name()), Some(unit));
+    }
+    assert!(VectorUnit::by_name("portable").is_some());
+    assert_eq!(VectorUnit::by_name("abacus"), None);
+}
+
+type Kernel = fn(VectorUnit, &mut [f32]);
+
+#[test]
+fn functions_match_f64_over_a_dense_range() {
+    // Name, kernel, truth, range, and the error allowed relative to max(floor, |truth|).
+    let cases: [(&str, Kernel, fn(f64) -> f64, (f64, f64), f64, f64); 4] = [
+        ("tanh", apply_tanh, f64::tanh, (-12.0, 12.0), 4e-7, 0.0),
+        ("tanh near 0", apply_tanh, f64::tanh, (-1e-3, 1e-3), 4e-7, 0.0),
+        ("exp", apply_exp, f64::exp, (-86.9, 87.9), 2e-7, 0.0),
+        ("ln", apply_ln, f64::ln, (1e-6, 50.0), 1.2e-7, 1.0),
+    ];
+    const POINTS: usize = 200_003;
+    for unit in VectorUnit::available() {
+        for (name, kernel, truth, (from, to), allowed, floor) in cases {
+            let at = |i: usize| (from + (to - from) * i as f64 / (POINTS - 1) as f64) as f32;
+            let mut values: Vec<f32> = (0..POINTS).map(at).collect();
+            kernel(unit, &mut values);
+            for (i, value) in values.iter().enumerate() {
+                let expected = truth(f64::from(at(i)));
+                let error = (f64::from(*value) - expected).abs();
+                assert!(
+                    error <= allowed * expected.abs().max(floor),
+                    "{unit}: {name}({}) = {value}, not {expected}",
+                    at(i)
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn tanh_saturates_and_keeps_nan() {
+    for unit in VectorUnit::available() {
+        let mut values = [f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::NAN];
+        apply_tanh(unit, &mut values);
+        for (value, expected) in values.iter().zip([1.0, -1.0, 1.0]) {
+            assert!((value - expected).abs() < 4e-7, "{unit}: {values:?}");
+        }
+        assert!(values[3].is_nan(), "{unit}: tanh NaN = {}", values[3]);
+    }
+}
+
+#[test]
+fn products_match_f64() {
+    // Rows that fill tiles and rows that do not; every width of panel.
+    for (rows, depth, columns) in
+        [(64, 64, 64), (1, 3, 64), (5, 64, 128), (13, 17, 16), (8, 1, 48), (31, 70, 112)]
+    {
+        let shape = Shape { rows, depth, columns };
+        let (a, b) = (random(rows * depth, "a"), random(depth * columns, "b"));
+        let (first, before) = (random(columns, "first"), random(rows * columns, "before"));
+        let a_columns: Vec<f32> =
+            (0..rows * depth).map(|i| a[(i % rows) * depth + i / rows]).collect();
+        let exact = |m: usize, n: usize, start: f32| {
+            let product = |k| f64::from(a[m * depth + k]) * f64::from(b[k * columns + n]);
+            f64::from(start) + (0..depth).map(product).sum::<f64>()
+        };
+        for unit in VectorUnit::available() {
+            for left in [
+                Left::Rows { values: &a, stride: depth },
+                Left::Columns { values: &a_columns, stride: rows },
+            ] {
+                for start in [Start::Zero, Start::Row(&first), Start::Sum] {
+                    let mut c = before.clone();
+                    multiply(unit, shape, left, &b, start, &mut c);
+                    for (i, value) in c.iter().enumerate() {
+                        let (m, n) = (i / columns, i % columns);
+                        let expected = match start {
+                            Start::Zero => exact(m, n, 0.0),
+                            Start::Row(row) => exact(m, n, row[n]),
+                            Start::Sum => exact(m, n, before[i]),
+                        };
+                        assert!(
+                            (f64::from(*value) - expected).abs() < 1e-5,
+                            "{unit} {rows}x{depth}x{columns}: c[{m}][{n}] = {value}, not {expected}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn transposes_of_any_height() {
+    for (rows, columns) in [(64, 64), (5, 64), (1, 16), (16, 32), (20, 48)] {
+        let matrix = random(rows * columns, "matrix");
+        let stride = padded(rows);
+        for unit in VectorUnit::available() {
+            let mut transposed = vec![f32::NAN; columns * stride];
+            transpose(unit, rows, columns, &matrix, &mut transposed);
+            for (i, value) in transposed.iter().enumerate() {
+                let (c, r) = (i / stride, i % stride);
+                let expected = if r < rows { matrix[r * columns + c] } else { 0.0 };
+                assert_eq!(*value, expected, "{unit} {rows}x{columns}: row {r}, column {c}");
+            }
+        }
+    }
+}
+
+#[test]
+fn tanh_gradients_and_their_sums() {
+    let (samples, width) = (5, 2 * LANES);
+    let outputs = random(samples * width, "outputs");
+    let gradients = random(samples * width, "gradients");
+    for unit in VectorUnit::available() {
+        let (mut found, mut sums) = (gradients.clone(), vec![1.0; width]);
+        backward_tanh(unit, &outputs, &mut found, &mut sums);
+        for i in 0..samples * width {
+            let expected = gradients[i] * (1.0 - outputs[i] * outputs[i]);
+            assert!((found[i] - expected).abs() < 1e-6, "{unit}: {i}: {} {expected}", found[i]);
+        }
+        for (column, sum) in sums.iter().enumerate() {
+            let expected: f32 = (0..samples).map(|s| found[s * width + column]).sum();
+            assert!((sum - 1.0 - expected).abs() < 1e-5, "{unit}: column {column}");
+        }
+    }
+}
+
+#[test]
+fn squares_are_summed_to_the_last() {
+    let values: Vec<f32> = (1..=131).map(|i| i as f32).collect();
+    for unit in VectorUnit::available() {
+        let mut sum = 0.0;
+        sum_of_squares(unit, &values, &mut sum);
+        // n (n + 1) (2n + 1) / 6 for n = 131.
+        assert_eq!(sum, 757_966.0, "{unit}");
+    }
+}

@@ -1,0 +1,207 @@
+//! Proximal policy optimisation, top to bottom.
+
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+use rand::seq::SliceRandom;
+
+use crate::environment::Environments;
+use crate::error::TrainError;
+use crate::kernels::unit::VectorUnit;
+use crate::learner::{Learner, Trainee, Update};
+use crate::network::{DenseLayer, Network};
+use crate::policy::Policy;
+use crate::progress::{Episodes, Progress};
+use crate::recipe::Recipe;
+use crate::rng::{Generator, stream};
+use crate::rollout::{Collector, Rollout};
+use crate::scaling::InputScaling;
+
+/// Gains of the last layers: a policy that starts nearly uniform, values of the usual size.
+const POLICY_GAIN: f64 = 0.01;
+const VALUE_GAIN: f64 = 1.0;
+
+/// Least time between two calls of the progress callback.
+const REPORT_EVERY: Duration = Duration::from_millis(250);
+
+/// What to train, and how.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// PPO's own settings.
+    pub recipe: Recipe,
+    /// Widths of the hidden layers, of the policy and of the value network alike.
+    pub layers: Vec<usize>,
+    /// How observations are scaled.
+    pub scaling: InputScaling,
+    /// Discount γ per step, of the task.
+    pub discount: f32,
+    /// Seed of the first weights, the drawn actions and the minibatches.
+    pub seed: u64,
+    /// Vector unit to use.
+    pub unit: VectorUnit,
+}
+
+/// What training gives.
+#[derive(Debug)]
+pub struct Trained {
+    /// The policy, with its scaling.
+    pub policy: Policy,
+    /// The value network's layers; they expect scaled inputs.
+    pub value: Vec<DenseLayer>,
+    /// How it stood at the end, with steps and time.
+    pub progress: Progress,
+    /// Time spent with environments and drawing actions, s.
+    pub rollout_s: f64,
+    /// Time spent on gradient steps, s.
+    pub learning_s: f64,
+    /// The vector unit that was used.
+    pub unit: VectorUnit,
+}
+
+/// Trains a policy. `report` is called a few times per second and at the end, and may cancel.
+///
+/// # Errors
+/// Where the settings are out of range or do not fit the environments, an environment fails, the
+/// numbers diverge, or `report` breaks.
+pub fn train<E: Environments>(
+    environments: &mut E,
+    settings: &Settings,
+    mut report: impl FnMut(&Progress) -> ControlFlow<()>,
+) -> Result<Trained, TrainError<E::Error>> {
+    check(environments, settings)?;
+    let recipe = &settings.recipe;
+    let mut action_generator = stream(settings.seed, "actions");
+    let mut minibatch_generator = stream(settings.seed, "minibatches");
+    let mut learner = new_learner(environments, settings);
+    let mut rollout = Rollout::new(environments, recipe.rollout);
+    let mut order: Vec<u32> = (0..rollout.samples() as u32).collect();
+    let mut episodes = Episodes::new(environments.count());
+    let total_steps = recipe.updates() * rollout.samples();
+    let start = Instant::now();
+    let mut last_report = start;
+    let mut learning = Duration::ZERO;
+
+    for update in 0..recipe.updates() {
+        let steps = update * rollout.samples();
+        let collector = Collector {
+            unit: settings.unit,
+            policy: &learner.policy.network,
+            workspace: &mut learner.policy.workspace,
+            scaling: &settings.scaling,
+            generator: &mut action_generator,
+            episodes: &mut episodes,
+            steps,
+        };
+        rollout.collect(environments, collector)?;
+        let steps = steps + rollout.samples();
+
+        let learning_start = Instant::now();
+        let value = &mut learner.value;
+        rollout.estimate(
+            &value.network,
+            &mut value.workspace,
+            settings.discount,
+            recipe.gae_lambda,
+        );
+        let numbers = numbers_of(recipe, update as f32 / recipe.updates() as f32);
+        learn(&mut learner, &rollout, &mut order, recipe, numbers, &mut minibatch_generator)
+            .map_err(|norm| TrainError::Diverged { steps, norm })?;
+        learning += learning_start.elapsed();
+
+        let last = steps == total_steps;
+        if last || last_report.elapsed() >= REPORT_EVERY {
+            last_report = Instant::now();
+            let progress = episodes.progress(steps, total_steps, start.elapsed().as_secs_f64());
+            if report(&progress).is_break() {
+                return Err(TrainError::Cancelled { steps });
+            }
+        }
+    }
+
+    let time_s = start.elapsed().as_secs_f64();
+    let learning_s = learning.as_secs_f64();
+    Ok(Trained {
+        value: learner.value.network.export(),
+        policy: Policy::new(learner.policy.network, settings.scaling.clone()),
+        progress: episodes.progress(total_steps, total_steps, time_s),
+        rollout_s: time_s - learning_s,
+        learning_s,
+        unit: settings.unit,
+    })
+}
+
+/// Goes over a rollout `epochs` times in random minibatches; an error is the length of a gradient
+/// that is not finite.
+fn learn(
+    learner: &mut Learner,
+    rollout: &Rollout,
+    order: &mut [u32],
+    recipe: &Recipe,
+    update: Update,
+    generator: &mut Generator,
+) -> Result<(), f32> {
+    for _ in 0..recipe.epochs {
+        order.shuffle(generator);
+        for minibatch in order.chunks(recipe.minibatch) {
+            learner.step(rollout, minibatch, update)?;
+        }
+    }
+    Ok(())
+}
+
+/// The scheduled numbers when `done` of all updates are behind.
+fn numbers_of(recipe: &Recipe, done: f32) -> Update {
+    Update {
+        learning_rate: recipe.learning_rate.at(done),
+        clip_range: recipe.clip_range,
+        entropy_coefficient: recipe.entropy_coefficient.at(done),
+        value_coefficient: recipe.value_coefficient,
+        gradient_norm: recipe.gradient_norm,
+    }
+}
+
+fn new_learner(environments: &impl Environments, settings: &Settings) -> Learner {
+    let network = |name: &str, outputs: usize, gain: f64| {
+        let mut widths = vec![environments.features()];
+        widths.extend(&settings.layers);
+        widths.push(outputs);
+        let mut generator = stream(settings.seed, name);
+        let network = Network::new(settings.unit, &widths, gain, &mut generator);
+        Trainee::new(network, settings.recipe.adam_epsilon)
+    };
+    let policy = network("policy weights", environments.actions(), POLICY_GAIN);
+    let value = network("value weights", 1, VALUE_GAIN);
+    Learner::new(settings.unit, policy, value)
+}
+
+fn check<E: Environments>(
+    environments: &E,
+    settings: &Settings,
+) -> Result<(), TrainError<E::Error>> {
+    let Settings { recipe, layers, scaling, discount, .. } = settings;
+    let fault = recipe.fault().or_else(|| match discount {
+        _ if layers.is_empty() => Some("there is no hidden layer".to_owned()),
+        _ if layers.contains(&0) => Some("a hidden layer has width 0".to_owned()),
+        discount if (0.0..=1.0).contains(discount) => None,
+        discount => Some(format!("the discount is {discount} and must lie in [0, 1]")),
+    });
+    if let Some(fault) = fault {
+        return Err(TrainError::Settings(fault));
+    }
+    let pairs = [
+        ("environments", environments.count(), recipe.environments),
+        ("features scaled by an offset", environments.features(), scaling.offset.len()),
+        ("features scaled by a factor", environments.features(), scaling.scale.len()),
+    ];
+    for (what, found, expected) in pairs {
+        if found != expected {
+            let fault = format!("{what}: the task has {found}, the settings say {expected}");
+            return Err(TrainError::Mismatch(fault));
+        }
+    }
+    if environments.features() == 0 || environments.actions() < 2 {
+        let fault = "a task needs at least one feature and two actions".to_owned();
+        return Err(TrainError::Mismatch(fault));
+    }
+    Ok(())
+}

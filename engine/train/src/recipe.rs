@@ -1,0 +1,185 @@
+//! How to train: PPO's settings, by name.
+
+use std::str::FromStr;
+
+/// A number that moves linearly from the first update to the last.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Schedule {
+    /// At the first update.
+    pub start: f32,
+    /// After the last one.
+    pub end: f32,
+}
+
+impl Schedule {
+    /// The value when `done` (0 to 1) of the updates are behind.
+    #[must_use]
+    pub fn at(self, done: f32) -> f32 {
+        self.start + (self.end - self.start) * done
+    }
+}
+
+/// Where the mean joint state lies for the network when it lies within the limits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum InputRange {
+    /// In [0, 1].
+    Unit,
+    /// In [−1, 1].
+    Centred,
+}
+
+impl InputRange {
+    /// Offset and scale, x' = (x − offset) · scale, for a joint with these limits.
+    #[must_use]
+    pub fn of_limits(self, lower: f32, upper: f32) -> (f32, f32) {
+        match self {
+            Self::Unit => (lower, 1.0 / (upper - lower)),
+            Self::Centred => (0.5 * (lower + upper), 2.0 / (upper - lower)),
+        }
+    }
+}
+
+/// Everything that PPO can be told, but for the task's discount.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recipe {
+    /// Name, as `--recipe` takes it.
+    pub name: &'static str,
+    /// Steps of the environment to learn from; rounded up to whole rollouts.
+    pub steps: usize,
+    /// Copies of the environment that are stepped together.
+    pub environments: usize,
+    /// Steps of each copy between two updates.
+    pub rollout: usize,
+    /// Samples in one gradient step.
+    pub minibatch: usize,
+    /// Passes over each rollout.
+    pub epochs: usize,
+    /// Adam's step size.
+    pub learning_rate: Schedule,
+    /// A sample's gradient is dropped where the probability of its action has moved by more than
+    /// this fraction, in the direction that its advantage asks for.
+    pub clip_range: f32,
+    /// λ of the advantage estimate: 0 trusts the value network, 1 the rewards seen.
+    pub gae_lambda: f32,
+    /// Weight of the policy's entropy (in nats) as a bonus.
+    pub entropy_coefficient: Schedule,
+    /// Weight of the value network's squared error.
+    pub value_coefficient: f32,
+    /// Longest gradient, over both networks together.
+    pub gradient_norm: f32,
+    /// Added to the root of the mean square gradient in Adam.
+    pub adam_epsilon: f32,
+    /// How the mean joint state is scaled.
+    pub input_range: InputRange,
+}
+
+impl Recipe {
+    /// The paper's (§IV-A.3): the defaults of stable-baselines3 with a learning rate that falls
+    /// linearly from 1e-4.
+    #[must_use]
+    pub fn paper() -> Self {
+        Self {
+            name: "paper",
+            steps: 500_000,
+            environments: 1,
+            rollout: 2048,
+            minibatch: 64,
+            epochs: 10,
+            learning_rate: Schedule { start: 1e-4, end: 0.0 },
+            clip_range: 0.2,
+            gae_lambda: 0.95,
+            entropy_coefficient: Schedule { start: 0.0, end: 0.0 },
+            value_coefficient: 0.5,
+            gradient_norm: 0.5,
+            adam_epsilon: 1e-5,
+            input_range: InputRange::Unit,
+        }
+    }
+
+    /// The one that training uses unless told otherwise: reaches higher returns with a smaller
+    /// spread between seeds, because ten times the learning rate, a little entropy bonus and
+    /// centred inputs let it finish what the paper's settings leave under-trained.
+    #[must_use]
+    pub fn standard() -> Self {
+        Self {
+            name: "standard",
+            environments: 8,
+            rollout: 256,
+            learning_rate: Schedule { start: 1e-3, end: 0.0 },
+            entropy_coefficient: Schedule { start: 0.01, end: 0.0 },
+            input_range: InputRange::Centred,
+            ..Self::paper()
+        }
+    }
+
+    /// All recipes, the default first.
+    #[must_use]
+    pub fn all() -> [Self; 2] {
+        [Self::standard(), Self::paper()]
+    }
+
+    /// Updates, each after one rollout of every copy.
+    #[must_use]
+    pub fn updates(&self) -> usize {
+        self.steps.div_ceil(self.rollout * self.environments)
+    }
+
+    /// Names the first setting that cannot work.
+    pub(crate) fn fault(&self) -> Option<String> {
+        let counts = [
+            ("steps", self.steps),
+            ("environments", self.environments),
+            ("rollout", self.rollout),
+            ("minibatch", self.minibatch),
+            ("epochs", self.epochs),
+        ];
+        // Written so that NaN is refused.
+        let above_zero = |x: f32| x > 0.0 && x.is_finite();
+        let at_least_zero = |x: f32| x >= 0.0 && x.is_finite();
+        let numbers = [
+            ("learning_rate", self.learning_rate.start, above_zero(self.learning_rate.start)),
+            ("learning_rate", self.learning_rate.end, at_least_zero(self.learning_rate.end)),
+            ("clip_range", self.clip_range, above_zero(self.clip_range)),
+            ("gae_lambda", self.gae_lambda, (0.0..=1.0).contains(&self.gae_lambda)),
+            (
+                "entropy_coefficient",
+                self.entropy_coefficient.start,
+                at_least_zero(self.entropy_coefficient.start),
+            ),
+            (
+                "entropy_coefficient",
+                self.entropy_coefficient.end,
+                at_least_zero(self.entropy_coefficient.end),
+            ),
+            ("value_coefficient", self.value_coefficient, above_zero(self.value_coefficient)),
+            ("gradient_norm", self.gradient_norm, above_zero(self.gradient_norm)),
+            ("adam_epsilon", self.adam_epsilon, above_zero(self.adam_epsilon)),
+        ];
+        let count = counts.into_iter().find(|(_, value)| *value == 0);
+        let count = count.map(|(name, _)| format!("{name} is 0 and must be at least 1"));
+        count.or_else(|| {
+            let (name, value, _) = numbers.into_iter().find(|(_, _, good)| !good)?;
+            Some(format!("{name} is {value}, which is out of range"))
+        })
+    }
+}
+
+impl Default for Recipe {
+    fn default() -> Self {
+        Self::standard()
+    }
+}
+
+/// A name that no recipe has.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("there is no recipe {0:?}; there are \"standard\" and \"paper\"")]
+pub struct UnknownRecipe(String);
+
+impl FromStr for Recipe {
+    type Err = UnknownRecipe;
+
+    fn from_str(name: &str) -> Result<Self, UnknownRecipe> {
+        let mut recipes = Self::all().into_iter();
+        recipes.find(|recipe| recipe.name == name).ok_or_else(|| UnknownRecipe(name.to_owned()))
+    }
+}

@@ -23,8 +23,6 @@ pub(super) struct Document {
     pub values: Dict,
     /// Key path (`joint.limits_deg`, `action.3.move`) to place.
     pub spans: BTreeMap<String, Span>,
-    /// Numbers that no `i64` or `f64` holds, by key path.
-    pub too_large: Vec<String>,
 }
 
 /// What the parser says of a text that is not TOML, and where.
@@ -52,8 +50,7 @@ pub(super) fn parse(text: &str) -> Result<Document, Vec<SyntaxError>> {
 pub(super) fn parse_value(text: &str) -> Option<Value> {
     let value = DeValue::parse(text).ok()?;
     let mut document = Document::default();
-    let value = document.value("", value.get_ref());
-    document.too_large.is_empty().then_some(value)
+    Some(document.value("", value.get_ref()))
 }
 
 /// `parent.name`, or `name` at the root.
@@ -99,16 +96,9 @@ impl Document {
             DeValue::String(text) => Value::from(text.as_ref()),
             DeValue::Boolean(flag) => Value::from(*flag),
             DeValue::Datetime(date) => Value::from(date.to_string()),
-            DeValue::Integer(number) => {
-                let parsed = i64::from_str_radix(number.as_str(), number.radix());
-                Value::from(self.or_too_large(path, parsed.ok()))
-            }
-            DeValue::Float(number) => {
-                let parsed = number.as_str().parse().ok();
-                let written_out = number.as_str().contains("inf");
-                let parsed = parsed.filter(|value: &f64| !value.is_infinite() || written_out);
-                Value::from(self.or_too_large(path, parsed))
-            }
+            DeValue::Integer(number) => integer(number.as_str(), number.radix()),
+            // What is too large for an `f64` becomes infinite, and so is in no range.
+            DeValue::Float(number) => Value::from(number.as_str().parse().unwrap_or(f64::NAN)),
             DeValue::Array(list) => {
                 let element = |(index, element): (usize, &Spanned<DeValue<'_>>)| {
                     let path = join(path, &index.to_string());
@@ -119,12 +109,13 @@ impl Document {
             DeValue::Table(table) => Value::from(self.table(path, table)),
         }
     }
+}
 
-    fn or_too_large<T: Default>(&mut self, path: &str, number: Option<T>) -> T {
-        if number.is_none() {
-            self.too_large.push(path.to_owned());
-        }
-        number.unwrap_or_default()
+/// A whole number; as a floating one where no `i64` holds it, since then it is no count either.
+fn integer(digits: &str, radix: u32) -> Value {
+    match i64::from_str_radix(digits, radix) {
+        Ok(number) => Value::from(number),
+        Err(_) => Value::from(digits.parse().unwrap_or(f64::INFINITY)),
     }
 }
 
@@ -176,9 +167,27 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_do_not_fit_are_named() {
-        let document = parse("a = 99999999999999999999\nb = 1e999\nc = inf\n").unwrap();
-        assert_eq!(document.too_large, ["a", "b"]);
+    fn numbers_of_every_notation() {
+        let text = "a = 1_000\nb = 0xff\nc = -7\nd = 1e999\ne = 99999999999999999999\nf = 1_0.5\ng = +inf\n";
+        let values = parse(text).unwrap().values;
+        let number = |name: &str| crate::object::check::number(&values[name]).unwrap();
+        let found = ["a", "b", "c", "d", "e", "f", "g"].map(number);
+        assert_eq!(
+            found,
+            [
+                1000.0,
+                255.0,
+                -7.0,
+                f64::INFINITY,
+                1e20,
+                10.5,
+                f64::INFINITY
+            ]
+        );
+        assert!(
+            values["e"].to_i128().is_none(),
+            "a count that fits no i64 is no count"
+        );
     }
 
     #[test]

@@ -160,24 +160,15 @@ pub(super) fn load_text(
     Err(Faults(faults))
 }
 
-/// Merges the layers; the faults are those of single overrides and numbers.
+/// Merges the layers; the faults are those of overrides that cannot be applied.
 fn merge(places: &mut Places, document: Document, overrides: &Overrides) -> (Merged, Vec<Fault>) {
     let (merged, errors) = layers::merge(&document.values, overrides);
     places.spans = document.spans;
     places.origins.clone_from(&merged.origins);
-    let mut faults: Vec<Fault> = errors
-        .into_iter()
-        .map(|error| places.fault_of_override(&error.origin, error.message, error.help))
-        .collect();
-    faults.extend(document.too_large.iter().map(|key| {
-        let message = format!("`{key}` is too large a number");
-        places.fault(
-            key,
-            Part::Value,
-            message,
-            "write a number that fits 64 bits",
-        )
-    }));
+    let fault = |error: layers::OverrideError| {
+        places.fault_of_override(&error.origin, error.message, error.help)
+    };
+    let faults = errors.into_iter().map(fault).collect();
     (merged, faults)
 }
 

@@ -11,7 +11,7 @@ use figment::value::{Dict, Value};
 
 use super::check::number;
 use super::fault::Fault;
-use super::layers::Merged;
+use super::layers::{Merged, Origin};
 use super::places::{Part, Places};
 
 pub use stop_force::stop_overshoot_n;
@@ -67,6 +67,17 @@ impl Rules<'_> {
 
     fn flag(&self, path: &str) -> Option<bool> {
         self.value(path)?.to_bool()
+    }
+
+    /// The first of these keys whose value is not the engine's default: the one that its author
+    /// can see and mend. The first where all are defaults.
+    fn stated<'k>(&self, keys: &[&'k str]) -> &'k str {
+        let stated = |key: &&&str| self.places.origins.get(**key) != Some(&Origin::Default);
+        keys.iter()
+            .find(stated)
+            .or(keys.first())
+            .copied()
+            .unwrap_or_default()
     }
 
     fn fault(&mut self, key: &str, message: impl Into<String>, help: impl Into<String>) {

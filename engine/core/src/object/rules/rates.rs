@@ -28,7 +28,7 @@ pub(super) fn check(rules: &mut Rules<'_>) {
         && threshold >= limit
     {
         rules.fault(
-            "control.force_threshold_n",
+            rules.stated(&["control.force_threshold_n", "control.force_limit_n"]),
             format!("`control.force_threshold_n` is {threshold} N, not below force_limit_n, {limit} N"),
             format!("write a threshold below {limit}: safe mode stops at the threshold, every mode at the limit"),
         );
@@ -40,9 +40,9 @@ fn not_above(rules: &mut Rules<'_>, small: &str, large: &str, reason: &str) {
         && low > high
     {
         rules.fault(
-            small,
+            rules.stated(&[small, large]),
             format!("`{small}` is {low}, above `{large}`, {high}; {reason}"),
-            format!("write at most {high}, or raise `{large}`"),
+            format!("write `{small}` at most {high}, or raise `{large}`"),
         );
     }
 }
@@ -60,7 +60,7 @@ fn whole_updates(rules: &mut Rules<'_>) {
         return;
     }
     rules.fault(
-        "belief.rate_hz",
+        rules.stated(&["belief.rate_hz", "policy.rate_hz"]),
         format!("`belief.rate_hz` is {belief} and `policy.rate_hz` {policy}: {updates:.2} filter updates to each policy step, which must be a whole number"),
         format!("write belief.rate_hz = {} or {}", updates.floor() * policy, updates.ceil() * policy),
     );

@@ -64,7 +64,7 @@ fn safe_mode(rules: &mut Rules<'_>, stop: &Stop, speed: f64) {
         return;
     }
     rules.fault(
-        "control.safe_speed_m_s",
+        culprit(rules, "control.safe_speed_m_s"),
         format!(
             "the worst stop in safe mode presses with {worst:.1} N, above force_limit_n, {limit_n} N: {threshold_n} N + {}",
             stop.arithmetic(speed)
@@ -85,13 +85,25 @@ fn high_mode(rules: &mut Rules<'_>, stop: &Stop, speed: f64) {
         return;
     }
     rules.fault(
-        "control.high_speed_m_s",
+        culprit(rules, "control.high_speed_m_s"),
         format!(
             "high-force mode has to begin its stop at {left:.1} N to stay below force_limit_n, and so could not push harder than safe mode, which stops at force_threshold_n, {threshold_n} N: {limit_n} N − {}",
             stop.arithmetic(speed)
         ),
         stop.cure("high_speed_m_s"),
     );
+}
+
+/// The key to show: the speed, unless it is a default and another of the numbers is not.
+fn culprit(rules: &Rules<'_>, speed: &'static str) -> &'static str {
+    rules.stated(&[
+        speed,
+        "control.force_limit_n",
+        "control.force_threshold_n",
+        "control.contact_stiffness_n_per_m",
+        "control.stop_deceleration_m_s2",
+        "control.rate_hz",
+    ])
 }
 
 impl Stop {

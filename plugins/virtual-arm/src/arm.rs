@@ -26,11 +26,17 @@ impl Velocity {
     }
 
     fn scaled(&self, factor: f64) -> Self {
-        Self { linear: self.linear * factor, angular: self.angular * factor }
+        Self {
+            linear: self.linear * factor,
+            angular: self.angular * factor,
+        }
     }
 
     fn plus(&self, other: &Self, factor: f64) -> Self {
-        Self { linear: self.linear + other.linear * factor, angular: self.angular + other.angular * factor }
+        Self {
+            linear: self.linear + other.linear * factor,
+            angular: self.angular + other.angular * factor,
+        }
     }
 }
 
@@ -66,7 +72,14 @@ impl Arm {
         orientation: UnitQuaternion<f64>,
     ) -> Self {
         let velocity = Velocity::default();
-        Self { limits, stop_deceleration_m_s2, intent: Intent::Ramp, position_m, orientation, velocity }
+        Self {
+            limits,
+            stop_deceleration_m_s2,
+            intent: Intent::Ramp,
+            position_m,
+            orientation,
+            velocity,
+        }
     }
 
     /// Takes on a velocity.
@@ -117,7 +130,11 @@ impl Arm {
     fn slower(&self, step_s: f64) -> Velocity {
         let speed = self.velocity.speed();
         let left = speed - self.stop_deceleration_m_s2 * step_s;
-        if left <= 0.0 { Velocity::default() } else { self.velocity.scaled(left / speed) }
+        if left <= 0.0 {
+            Velocity::default()
+        } else {
+            self.velocity.scaled(left / speed)
+        }
     }
 }
 
@@ -128,7 +145,11 @@ mod tests {
     const STEP_S: f64 = 0.00025;
 
     fn arm(lag_s: f64, acceleration_m_s2: f64) -> Arm {
-        let limits = ArmLimits { lag_s, acceleration_m_s2, position_noise_m: 0.0 };
+        let limits = ArmLimits {
+            lag_s,
+            acceleration_m_s2,
+            position_noise_m: 0.0,
+        };
         Arm::new(limits, 5.0, Vector3::zeros(), UnitQuaternion::identity())
     }
 
@@ -141,7 +162,10 @@ mod tests {
     #[test]
     fn ramp_takes_speed_over_deceleration_and_half_their_product_of_way() {
         let mut arm = arm(0.0, 1e6);
-        arm.follow(Velocity { linear: Vector3::new(0.15, 0.0, 0.0), angular: Vector3::zeros() });
+        arm.follow(Velocity {
+            linear: Vector3::new(0.15, 0.0, 0.0),
+            angular: Vector3::zeros(),
+        });
         arm.step(STEP_S);
         let from = arm.position_m.x;
         arm.ramp_to_rest();
@@ -150,33 +174,54 @@ mod tests {
         run(&mut arm, 0.0007);
         assert!(arm.is_at_rest(), "at rest after v/a = 30 ms");
         let way = arm.position_m.x - from;
-        assert!((way - 0.00225).abs() < 3e-5, "v²/2a = 2.25 mm, went {way} m");
+        assert!(
+            (way - 0.00225).abs() < 3e-5,
+            "v²/2a = 2.25 mm, went {way} m"
+        );
     }
 
     #[test]
     fn jump_command_is_bounded_by_the_arms_acceleration() {
         let mut arm = arm(0.0, 10.0);
-        arm.follow(Velocity { linear: Vector3::new(0.0, 0.15, 0.0), angular: Vector3::zeros() });
+        arm.follow(Velocity {
+            linear: Vector3::new(0.0, 0.15, 0.0),
+            angular: Vector3::zeros(),
+        });
         run(&mut arm, 0.010);
         let speed = arm.velocity.linear.y;
-        assert!((speed - 0.1).abs() < 1e-6, "10 m/s² for 10 ms is 0.1 m/s, got {speed}");
+        assert!(
+            (speed - 0.1).abs() < 1e-6,
+            "10 m/s² for 10 ms is 0.1 m/s, got {speed}"
+        );
     }
 
     #[test]
     fn lag_leaves_one_over_e_after_its_time_constant() {
         let mut arm = arm(0.020, 1e6);
-        arm.follow(Velocity { linear: Vector3::new(0.1, 0.0, 0.0), angular: Vector3::zeros() });
+        arm.follow(Velocity {
+            linear: Vector3::new(0.1, 0.0, 0.0),
+            angular: Vector3::zeros(),
+        });
         run(&mut arm, 0.020);
         let left = 1.0 - arm.velocity.linear.x / 0.1;
-        assert!((left - (-1f64).exp()).abs() < 0.005, "1/e should be missing, {left} is");
+        assert!(
+            (left - (-1f64).exp()).abs() < 0.005,
+            "1/e should be missing, {left} is"
+        );
     }
 
     #[test]
     fn turning_about_base_z_takes_tool_x_to_base_y() {
         let mut arm = arm(0.0, 1e6);
-        arm.follow(Velocity { linear: Vector3::zeros(), angular: Vector3::new(0.0, 0.0, 1.0) });
+        arm.follow(Velocity {
+            linear: Vector3::zeros(),
+            angular: Vector3::new(0.0, 0.0, 1.0),
+        });
         run(&mut arm, std::f64::consts::FRAC_PI_2);
         let x = arm.orientation * Vector3::x();
-        assert!((x - Vector3::y()).norm() < 1e-3, "tool x points along {x:?}");
+        assert!(
+            (x - Vector3::y()).norm() < 1e-3,
+            "tool x points along {x:?}"
+        );
     }
 }

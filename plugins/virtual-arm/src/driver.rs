@@ -42,15 +42,27 @@ impl Driver for VirtualArm {
 
     fn open(setup: &DriverSetup) -> Result<Self, PluginError> {
         let params = Params::from_driver_table(&setup.driver)?;
-        let world = params.world().map_err(|error| PluginError::new(error.to_string()))?;
+        let world = params
+            .world()
+            .map_err(|error| PluginError::new(error.to_string()))?;
         let deceleration = setup.control.stop_deceleration_m_s2;
         if !(deceleration > 0.0 && deceleration.is_finite()) {
             return Err(PluginError::new(format!(
                 "control.stop_deceleration_m_s2 = {deceleration}, but it must be positive"
             )));
         }
-        let simulation = Simulation::new(&world, params.start, setup.seed, deceleration, monotonic_ns());
-        Ok(Self { beginning: simulation.clone(), simulation, time: Time::Real { commanded: false } })
+        let simulation = Simulation::new(
+            &world,
+            params.start,
+            setup.seed,
+            deceleration,
+            monotonic_ns(),
+        );
+        Ok(Self {
+            beginning: simulation.clone(),
+            simulation,
+            time: Time::Real { commanded: false },
+        })
     }
 
     fn sensor(&self) -> &str {
@@ -63,9 +75,15 @@ impl Driver for VirtualArm {
     }
 
     fn command(&mut self, twist: Twist, expires_ns: u64) -> Result<(), PluginError> {
-        let finite = twist.linear_m_s.iter().chain(&twist.angular_rad_s).all(|part| part.is_finite());
+        let finite = twist
+            .linear_m_s
+            .iter()
+            .chain(&twist.angular_rad_s)
+            .all(|part| part.is_finite());
         if !finite {
-            return Err(PluginError::new(format!("refused a twist that is not finite: {twist:?}")));
+            return Err(PluginError::new(format!(
+                "refused a twist that is not finite: {twist:?}"
+            )));
         }
         self.catch_up();
         if let Time::Real { commanded } = &mut self.time {
@@ -78,7 +96,9 @@ impl Driver for VirtualArm {
     fn tare(&mut self) -> Result<(), PluginError> {
         self.catch_up();
         self.simulation.tare().map_err(|speed| {
-            PluginError::new(format!("tare needs an arm at rest, but the tool moves at {speed:.3} m/s"))
+            PluginError::new(format!(
+                "tare needs an arm at rest, but the tool moves at {speed:.3} m/s"
+            ))
         })
     }
 
@@ -91,7 +111,9 @@ impl Driver for VirtualArm {
     fn advance_to(&mut self, time_ns: u64) -> Result<(), PluginError> {
         match self.time {
             Time::Real { commanded: true } => {
-                return Err(PluginError::new("virtual time cannot start after a command in real time"));
+                return Err(PluginError::new(
+                    "virtual time cannot start after a command in real time",
+                ));
             }
             Time::Real { commanded: false } => {
                 self.simulation = self.beginning.clone();

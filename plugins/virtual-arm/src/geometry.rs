@@ -1,6 +1,6 @@
 //! Where the handle is: frames of a joint in the base, and the way its handle truly goes.
 
-use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::world::{Deviation, Joint};
 
@@ -34,7 +34,11 @@ pub struct HandleFrame {
 impl HandleFrame {
     /// Components of a base vector along the frame's axes.
     pub fn local(&self, vector: &Vector3<f64>) -> Vector3<f64> {
-        Vector3::new(self.axes[0].dot(vector), self.axes[1].dot(vector), self.axes[2].dot(vector))
+        Vector3::new(
+            self.axes[0].dot(vector),
+            self.axes[1].dot(vector),
+            self.axes[2].dot(vector),
+        )
     }
 
     /// The base vector with these components.
@@ -101,7 +105,10 @@ impl Geometry {
     /// Tool position at the grasp: on the ideal line or arc, so that the path's deviation loads
     /// the grasp as a function of the joint state alone.
     pub fn ideal_position_m(&self, x_m: f64) -> Vector3<f64> {
-        let straight = Self { path: [Deviation::NONE; 2], ..self.clone() };
+        let straight = Self {
+            path: [Deviation::NONE; 2],
+            ..self.clone()
+        };
         straight.handle(x_m).position_m
     }
 
@@ -109,20 +116,9 @@ impl Geometry {
         let half = 0.5 * angle;
         let (sine, cosine) = half.sin_cos();
         let vector = self.hinge_axis * sine;
-        UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(cosine, vector.x, vector.y, vector.z))
-    }
-
-    /// The axis of the hinge, base frame, and a point on it; `None` on a slide.
-    pub fn hinge(&self) -> Option<(Vector3<f64>, Vector3<f64>)> {
-        self.radius_m.map(|radius| (self.hinge_axis, self.handle_m - self.axes[1] * radius))
-    }
-
-    /// Turns a base vector as the object turns on its way `x_m`.
-    pub fn turned(&self, vector: &Vector3<f64>, x_m: f64) -> Vector3<f64> {
-        match self.radius_m {
-            Some(radius) => Rotation3::from_scaled_axis(self.hinge_axis * (x_m / radius)) * vector,
-            None => *vector,
-        }
+        UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(
+            cosine, vector.x, vector.y, vector.z,
+        ))
     }
 }
 
@@ -138,20 +134,40 @@ mod tests {
     fn door2_opens_towards_the_robot_about_a_hinge_on_the_left() {
         let world = World::load("door2").unwrap();
         let geometry = Geometry::new(&world.joint, [Deviation::NONE; 2]);
-        let (axis, centre) = geometry.hinge().unwrap();
+
         let close = |found: Vector3<f64>, x: f64, y: f64, z: f64, what: &str| {
-            assert!((found - Vector3::new(x, y, z)).norm() < 1e-12, "{what}: {found:?}");
+            assert!(
+                (found - Vector3::new(x, y, z)).norm() < 1e-12,
+                "{what}: {found:?}"
+            );
         };
-        close(axis, 0.0, 0.0, -1.0, "axis");
-        close(centre, 0.75, 0.17, 0.60, "centre");
+        close(geometry.hinge_axis, 0.0, 0.0, -1.0, "axis");
         let closed = geometry.handle(0.0);
-        close(closed.axes[0], -1.0, 0.0, 0.0, "opening direction when closed");
+        close(
+            closed.axes[0],
+            -1.0,
+            0.0,
+            0.0,
+            "opening direction when closed",
+        );
         close(closed.axes[1], 0.0, -1.0, 0.0, "outward when closed");
         close(closed.axes[2], 0.0, 0.0, 1.0, "upward");
         let square = geometry.handle(0.32 * std::f64::consts::FRAC_PI_2);
         close(square.position_m, 0.43, 0.17, 0.60, "handle at 90 degrees");
-        close(square.axes[0], 0.0, 1.0, 0.0, "opening direction at 90 degrees");
-        close(square.orientation * Vector3::z(), 0.0, -1.0, 0.0, "tool z at 90 degrees");
+        close(
+            square.axes[0],
+            0.0,
+            1.0,
+            0.0,
+            "opening direction at 90 degrees",
+        );
+        close(
+            square.orientation * Vector3::z(),
+            0.0,
+            -1.0,
+            0.0,
+            "tool z at 90 degrees",
+        );
     }
 
     #[test]
@@ -160,7 +176,8 @@ mod tests {
         let geometry = Geometry::new(&world.joint, world.path);
         for x in [0.0, 0.1, 0.4, 0.69] {
             let h = 1e-6;
-            let difference = (geometry.handle(x + h).position_m - geometry.handle(x - h).position_m) / (2.0 * h);
+            let difference =
+                (geometry.handle(x + h).position_m - geometry.handle(x - h).position_m) / (2.0 * h);
             let frame = geometry.handle(x);
             let error = (difference - frame.base(&frame.slope)).norm();
             assert!(error < 1e-8, "at {x} m the slope is off by {error}");

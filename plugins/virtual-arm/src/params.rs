@@ -40,9 +40,12 @@ fn one() -> f64 {
 impl Params {
     /// Reads the whole `[driver]` table.
     pub(crate) fn from_driver_table(table: &Value) -> Result<Self, PluginError> {
-        let params = table.get("params").cloned().unwrap_or_else(|| serde_json::json!({}));
-        let params: Self =
-            serde_json::from_value(params).map_err(|error| PluginError::new(format!("params: {error}")))?;
+        let params = table
+            .get("params")
+            .cloned()
+            .unwrap_or_else(|| serde_json::json!({}));
+        let params: Self = serde_json::from_value(params)
+            .map_err(|error| PluginError::new(format!("params: {error}")))?;
         params.in_range("start", params.start.unwrap_or(0.0), 1.0)?;
         params.in_range("friction_scale", params.friction_scale, GREATEST_SCALE)?;
         params.in_range("catch_scale", params.catch_scale, GREATEST_SCALE)?;
@@ -53,7 +56,9 @@ impl Params {
         if (0.0..=greatest).contains(&value) {
             return Ok(());
         }
-        Err(PluginError::new(format!("params: {name} = {value}, but it must lie in 0 to {greatest}")))
+        Err(PluginError::new(format!(
+            "params: {name} = {value}, but it must lie in 0 to {greatest}"
+        )))
     }
 
     /// The world, scaled.

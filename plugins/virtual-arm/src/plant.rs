@@ -85,8 +85,12 @@ impl Plant {
     pub fn step(&mut self, step_s: f64) {
         let handle = self.geometry.handle(self.position_m);
         let damping = &self.grasp.damping_n_s_per_m;
-        let pull = self.stretch(&handle).component_mul(&self.grasp.stiffness_n_per_m)
-            + handle.local(&self.arm.velocity.linear).component_mul(damping);
+        let pull = self
+            .stretch(&handle)
+            .component_mul(&self.grasp.stiffness_n_per_m)
+            + handle
+                .local(&self.arm.velocity.linear)
+                .component_mul(damping);
         let push = handle.slope.dot(&pull) + handle.turn.dot(&self.twisting(&handle))
             - self.resisting.closing_force_n(self.position_m)
             + self.resisting.stop_force_n(self.position_m, self.speed_m_s);
@@ -96,7 +100,11 @@ impl Plant {
         let weight = self.mass_kg + step_s * drag;
         let free = (self.mass_kg * self.speed_m_s + step_s * push) / weight;
         let held = step_s * self.resisting.coulomb_n(self.position_m) / weight;
-        self.speed_m_s = if free.abs() <= held { 0.0 } else { free - held * free.signum() };
+        self.speed_m_s = if free.abs() <= held {
+            0.0
+        } else {
+            free - held * free.signum()
+        };
         self.position_m += step_s * self.speed_m_s;
         self.arm.step(step_s);
     }
@@ -105,10 +113,15 @@ impl Plant {
     pub fn wrench(&self) -> Wrench {
         let handle = self.geometry.handle(self.position_m);
         let sliding = handle.local(&self.arm.velocity.linear) - handle.slope * self.speed_m_s;
-        let force = self.stretch(&handle).component_mul(&self.grasp.stiffness_n_per_m)
+        let force = self
+            .stretch(&handle)
+            .component_mul(&self.grasp.stiffness_n_per_m)
             + sliding.component_mul(&self.grasp.damping_n_s_per_m);
         let to_tool = self.arm.orientation.inverse();
-        Wrench { force: to_tool * handle.base(&force), torque: to_tool * self.twisting(&handle) }
+        Wrench {
+            force: to_tool * handle.base(&force),
+            torque: to_tool * self.twisting(&handle),
+        }
     }
 
     /// Tool relative to the handle, in the handle's axes, m.
@@ -121,6 +134,7 @@ impl Plant {
         if self.grasp.rotation_nm_per_rad == 0.0 {
             return Vector3::zeros();
         }
-        (self.arm.orientation * handle.orientation.inverse()).scaled_axis() * self.grasp.rotation_nm_per_rad
+        (self.arm.orientation * handle.orientation.inverse()).scaled_axis()
+            * self.grasp.rotation_nm_per_rad
     }
 }

@@ -18,7 +18,12 @@ impl Resisting {
     /// Puts the stops where the joint, left alone, rests at its limits: springs and catch press
     /// it a little into the stop there.
     pub fn new(forces: Resistance, lower_m: f64, upper_m: f64) -> Self {
-        let mut resisting = Self { forces, lower_m, lower_contact_m: lower_m, upper_contact_m: upper_m };
+        let mut resisting = Self {
+            forces,
+            lower_m,
+            lower_contact_m: lower_m,
+            upper_contact_m: upper_m,
+        };
         let stiffness = resisting.forces.stop.stiffness_n_per_m;
         resisting.lower_contact_m += resisting.closing_force_n(lower_m).max(0.0) / stiffness;
         resisting.upper_contact_m += resisting.closing_force_n(upper_m).min(0.0) / stiffness;
@@ -83,9 +88,17 @@ mod tests {
         let door = Resisting::new(world.resistance, 0.0, 125f64.to_radians() * 0.32);
         let at = |deg: f64| deg.to_radians() * 0.32;
         // Catch 15.5 exp(-(θ/1.2)²/2) + hinge 5/(1 + e^((θ-17)/4)), worked out by hand.
-        for (deg, force) in [(0.0, 15.5 + 4.9297), (1.2, 9.4012 + 4.9056), (17.0, 2.5), (125.0, 0.0)] {
+        for (deg, force) in [
+            (0.0, 15.5 + 4.9297),
+            (1.2, 9.4012 + 4.9056),
+            (17.0, 2.5),
+            (125.0, 0.0),
+        ] {
             let found = door.closing_force_n(at(deg));
-            assert!((found - force).abs() < 2e-3, "at {deg} degrees {force} N, found {found}");
+            assert!(
+                (found - force).abs() < 2e-3,
+                "at {deg} degrees {force} N, found {found}"
+            );
         }
     }
 
@@ -94,14 +107,25 @@ mod tests {
         let world = World::load("door2").unwrap();
         let door = Resisting::new(world.resistance, 0.0, 0.7);
         let (pull, push) = (door.closing_force_n(0.0), door.stop_force_n(0.0, 0.0));
-        assert!((pull - push).abs() < 1e-9, "catch pulls {pull} N, stop pushes {push} N");
+        assert!(
+            (pull - push).abs() < 1e-9,
+            "catch pulls {pull} N, stop pushes {push} N"
+        );
     }
 
     #[test]
     fn stop_never_holds_back() {
         let world = World::load("door2").unwrap();
         let door = Resisting::new(world.resistance, 0.0, 0.7);
-        assert_eq!(door.stop_force_n(-1e-4, 10.0), 0.0, "leaving the closed stop fast");
-        assert_eq!(door.stop_force_n(0.7001, -10.0), 0.0, "leaving the open stop fast");
+        assert_eq!(
+            door.stop_force_n(-1e-4, 10.0),
+            0.0,
+            "leaving the closed stop fast"
+        );
+        assert_eq!(
+            door.stop_force_n(0.7001, -10.0),
+            0.0,
+            "leaving the open stop fast"
+        );
     }
 }

@@ -74,7 +74,8 @@ impl Sensor {
             + self.correlated_n
             + normals(&mut self.noise) * model.white_n;
         self.sample.force = force.map(|component| quantised(component, model.quantum_n));
-        self.sample.torque = self.filtered.torque + normals(&mut self.noise) * model.torque_white_nm;
+        self.sample.torque =
+            self.filtered.torque + normals(&mut self.noise) * model.torque_white_nm;
     }
 
     /// The newest sample.
@@ -84,7 +85,11 @@ impl Sensor {
 }
 
 fn quantised(value: f64, quantum: f64) -> f64 {
-    if quantum > 0.0 { (value / quantum).round() * quantum } else { value }
+    if quantum > 0.0 {
+        (value / quantum).round() * quantum
+    } else {
+        value
+    }
 }
 
 /// Three standard normals.
@@ -120,36 +125,81 @@ mod tests {
     fn moments(values: &[f64], lag: usize) -> (f64, f64) {
         let count = (values.len() - lag) as f64;
         let variance = values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64;
-        let product = values.iter().zip(&values[lag..]).map(|(a, b)| a * b).sum::<f64>() / count;
+        let product = values
+            .iter()
+            .zip(&values[lag..])
+            .map(|(a, b)| a * b)
+            .sum::<f64>()
+            / count;
         (variance.sqrt(), product / variance)
     }
 
     #[test]
     fn noises_have_their_size_and_correlation() {
-        let (sd, correlation) = moments(&samples(SensorModel { white_n: 0.3, ..QUIET }, 100_000, 0.0), 1);
+        let (sd, correlation) = moments(
+            &samples(
+                SensorModel {
+                    white_n: 0.3,
+                    ..QUIET
+                },
+                100_000,
+                0.0,
+            ),
+            1,
+        );
         assert!((sd - 0.3).abs() < 0.005, "white noise has sd {sd}");
-        assert!(correlation.abs() < 0.02, "white noise is correlated by {correlation}");
-        let model = SensorModel { correlated_n: 0.2, correlation_m: 0.015, ..QUIET };
+        assert!(
+            correlation.abs() < 0.02,
+            "white noise is correlated by {correlation}"
+        );
+        let model = SensorModel {
+            correlated_n: 0.2,
+            correlation_m: 0.015,
+            ..QUIET
+        };
         let (sd, correlation) = moments(&samples(model, 400_000, 0.001), 15);
         assert!((sd - 0.2).abs() < 0.02, "correlated noise has sd {sd}");
-        assert!((correlation - (-1f64).exp()).abs() < 0.06, "1/e after 15 mm, found {correlation}");
+        assert!(
+            (correlation - (-1f64).exp()).abs() < 0.06,
+            "1/e after 15 mm, found {correlation}"
+        );
     }
 
     #[test]
     fn low_pass_lets_one_minus_one_over_e_through_after_its_time_constant() {
-        let model = SensorModel { bandwidth_hz: 1000.0 / TAU / 10.0, ..QUIET };
+        let model = SensorModel {
+            bandwidth_hz: 1000.0 / TAU / 10.0,
+            ..QUIET
+        };
         let mut sensor = Sensor::new(model, 1, Wrench::default());
-        let step = Wrench { force: Vector3::new(10.0, 0.0, 0.0), torque: Vector3::zeros() };
+        let step = Wrench {
+            force: Vector3::new(10.0, 0.0, 0.0),
+            torque: Vector3::zeros(),
+        };
         (0..10).for_each(|_| sensor.tick(0.001, 0.0, step));
         let seen = sensor.sample().force.x;
-        assert!((seen - 10.0 * (1.0 - (-1f64).exp())).abs() < 1e-9, "saw {seen} N");
+        assert!(
+            (seen - 10.0 * (1.0 - (-1f64).exp())).abs() < 1e-9,
+            "saw {seen} N"
+        );
     }
 
     #[test]
     fn output_is_a_whole_number_of_steps() {
-        for value in samples(SensorModel { white_n: 1.0, quantum_n: 0.05, ..QUIET }, 100, 0.0) {
+        for value in samples(
+            SensorModel {
+                white_n: 1.0,
+                quantum_n: 0.05,
+                ..QUIET
+            },
+            100,
+            0.0,
+        ) {
             let steps = value / 0.05;
-            assert!((steps - steps.round()).abs() < 1e-9, "{value} is {steps} steps of 0.05");
+            assert!(
+                (steps - steps.round()).abs() < 1e-9,
+                "{value} is {steps} steps of 0.05"
+            );
         }
     }
 }

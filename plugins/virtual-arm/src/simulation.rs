@@ -40,7 +40,13 @@ pub struct Simulation {
 impl Simulation {
     /// The joint at `start` (a fraction of its range, or drawn evenly over it), the tool at rest on
     /// the handle, at time `origin_ns`.
-    pub fn new(world: &World, start: Option<f64>, seed: u64, stop_deceleration_m_s2: f64, origin_ns: u64) -> Self {
+    pub fn new(
+        world: &World,
+        start: Option<f64>,
+        seed: u64,
+        stop_deceleration_m_s2: f64,
+        origin_ns: u64,
+    ) -> Self {
         let mut streams = Xoshiro256PlusPlus::seed_from_u64(seed);
         let fraction = streams.random::<f64>();
         let sensor_seed = streams.random::<u64>();
@@ -130,7 +136,11 @@ impl Simulation {
             orientation_xyzw: [quaternion.i, quaternion.j, quaternion.k, quaternion.w],
             force_n: wrench.force.into(),
             torque_nm: wrench.torque.into(),
-            status: if arm.is_following() { DriverStatus::Ready } else { DriverStatus::Stopped },
+            status: if arm.is_following() {
+                DriverStatus::Ready
+            } else {
+                DriverStatus::Stopped
+            },
         }
     }
 

@@ -24,7 +24,10 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn parse(mut words: impl Iterator<Item = String>) -> Result<Self, String> {
-        let world = words.next().filter(|word| !word.starts_with('-')).ok_or(USAGE)?;
+        let world = words
+            .next()
+            .filter(|word| !word.starts_with('-'))
+            .ok_or(USAGE)?;
         let mut arguments = Self {
             world,
             demonstrations: 20,
@@ -40,7 +43,9 @@ impl Arguments {
             skipped_travel_m: 0.0,
         };
         while let Some(flag) = words.next() {
-            let value = words.next().ok_or_else(|| format!("{flag} needs a value\n{USAGE}"))?;
+            let value = words
+                .next()
+                .ok_or_else(|| format!("{flag} needs a value\n{USAGE}"))?;
             arguments.set(&flag, &value)?;
         }
         Ok(arguments)
@@ -66,10 +71,14 @@ impl Arguments {
 }
 
 fn count(flag: &str, value: &str) -> Result<u64, String> {
-    value.parse().map_err(|_| format!("{flag} {value}: must be a whole number"))
+    value
+        .parse()
+        .map_err(|_| format!("{flag} {value}: must be a whole number"))
 }
 
 fn positive(flag: &str, value: &str) -> Result<f64, String> {
     let number: Option<f64> = value.parse().ok();
-    number.filter(|&number| number > 0.0).ok_or_else(|| format!("{flag} {value}: must be a positive number"))
+    number
+        .filter(|&number| number > 0.0)
+        .ok_or_else(|| format!("{flag} {value}: must be a positive number"))
 }

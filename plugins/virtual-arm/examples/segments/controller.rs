@@ -23,16 +23,36 @@ pub struct Action {
 }
 
 pub const ACTIONS: [Action; 4] = [
-    Action { name: "safe_open", sign: 1.0, high_force: false },
-    Action { name: "safe_close", sign: -1.0, high_force: false },
-    Action { name: "high_open", sign: 1.0, high_force: true },
-    Action { name: "high_close", sign: -1.0, high_force: true },
+    Action {
+        name: "safe_open",
+        sign: 1.0,
+        high_force: false,
+    },
+    Action {
+        name: "safe_close",
+        sign: -1.0,
+        high_force: false,
+    },
+    Action {
+        name: "high_open",
+        sign: 1.0,
+        high_force: true,
+    },
+    Action {
+        name: "high_close",
+        sign: -1.0,
+        high_force: true,
+    },
 ];
 
 impl Action {
     /// The safe action the other way.
     pub fn opposite(&self) -> &'static Self {
-        if self.sign > 0.0 { &ACTIONS[1] } else { &ACTIONS[0] }
+        if self.sign > 0.0 {
+            &ACTIONS[1]
+        } else {
+            &ACTIONS[0]
+        }
     }
 }
 
@@ -53,9 +73,18 @@ impl Path {
         let opening = orientation * joint.opening;
         let arc = joint.radius_m.zip(joint.hinge).map(|(radius, hinge)| {
             let hinge = orientation * hinge;
-            (grasp + hinge * radius, Unit::new_normalize(opening.cross(&hinge)), radius)
+            (
+                grasp + hinge * radius,
+                Unit::new_normalize(opening.cross(&hinge)),
+                radius,
+            )
         });
-        Self { grasp, opening, up: orientation * joint.up, arc }
+        Self {
+            grasp,
+            opening,
+            up: orientation * joint.up,
+            arc,
+        }
     }
 
     /// Joint displacement since the grasp, rad or m.
@@ -72,7 +101,9 @@ impl Path {
     fn tangent(&self, reading: &Reading) -> Vector3<f64> {
         match &self.arc {
             None => self.opening,
-            Some((centre, axis, _)) => axis.cross(&(Vector3::from(reading.position_m) - centre)).normalize(),
+            Some((centre, axis, _)) => axis
+                .cross(&(Vector3::from(reading.position_m) - centre))
+                .normalize(),
         }
     }
 
@@ -81,12 +112,19 @@ impl Path {
         let along = self.tangent(reading) * sign;
         let up = (self.up - along * along.dot(&self.up)).normalize();
         let force = orientation(reading) * Vector3::from(reading.force_n);
-        [along.dot(&force), up.dot(&force), up.cross(&along).dot(&force)]
+        [
+            along.dot(&force),
+            up.dot(&force),
+            up.cross(&along).dot(&force),
+        ]
     }
 
     fn twist(&self, reading: &Reading, speed_m_s: f64) -> Twist {
         let Some((centre, axis, radius)) = &self.arc else {
-            return Twist { linear_m_s: (self.opening * speed_m_s).into(), angular_rad_s: [0.0; 3] };
+            return Twist {
+                linear_m_s: (self.opening * speed_m_s).into(),
+                angular_rad_s: [0.0; 3],
+            };
         };
         let turn = speed_m_s / radius;
         let arm = Vector3::from(reading.position_m) - centre;
@@ -95,8 +133,12 @@ impl Path {
         let half_a_period = Rotation3::from_axis_angle(axis, 0.5 * turn / RATE_HZ);
         let off_arc = level.normalize() * (level.norm() - radius) + height;
         let moving = (speed_m_s.abs() / FULL_CORRECTION_SPEED_M_S).min(1.0);
-        let linear = half_a_period * self.tangent(reading) * speed_m_s - off_arc * (ARC_CORRECTION_PER_S * moving);
-        Twist { linear_m_s: linear.into(), angular_rad_s: (axis.into_inner() * turn).into() }
+        let linear = half_a_period * self.tangent(reading) * speed_m_s
+            - off_arc * (ARC_CORRECTION_PER_S * moving);
+        Twist {
+            linear_m_s: linear.into(),
+            angular_rad_s: (axis.into_inner() * turn).into(),
+        }
     }
 }
 
@@ -114,7 +156,13 @@ pub struct Controller {
 }
 
 impl Controller {
-    pub fn twist(&mut self, path: &Path, reading: &Reading, action: &Action, settings: &Arguments) -> Twist {
+    pub fn twist(
+        &mut self,
+        path: &Path,
+        reading: &Reading,
+        action: &Action,
+        settings: &Arguments,
+    ) -> Twist {
         let force = path.forces(reading, action.sign)[0];
         let overshoot = settings.contact_stiffness_n_per_m
             * (self.speed_m_s.abs() * 2.0 / RATE_HZ
@@ -126,7 +174,11 @@ impl Controller {
             false => action.sign * settings.safe_speed_m_s,
             true => action.sign * settings.high_speed_m_s,
         };
-        let bound = if target == 0.0 { settings.stop_deceleration_m_s2 } else { settings.acceleration_m_s2 };
+        let bound = if target == 0.0 {
+            settings.stop_deceleration_m_s2
+        } else {
+            settings.acceleration_m_s2
+        };
         let step = bound / RATE_HZ;
         self.speed_m_s += (target - self.speed_m_s).clamp(-step, step);
         path.twist(reading, self.speed_m_s)

@@ -20,7 +20,7 @@ const BURST_S: f64 = 2.0;
 /// Bursts spread evenly over the range, per demonstration.
 const BURSTS: usize = 12;
 
-/// Every other burst comes straight out of a motion the other way, as reversals do, s.
+/// Half of the bursts come straight out of a motion the other way, as reversals do, s.
 const PRELUDE_S: f64 = 0.4;
 
 /// Bursts that start within [`NEAR`] of each limit, per demonstration.
@@ -39,16 +39,29 @@ pub struct Sample {
 }
 
 /// All demonstrations of an action.
-pub fn all(world: &World, arguments: &Arguments, action: &Action) -> Result<Vec<Sample>, PluginError> {
-    let speed = if action.high_force { arguments.high_speed_m_s } else { arguments.safe_speed_m_s };
-    let crossing_s = CROSSING_S + (world.joint.upper - world.joint.lower) * world.joint.lever() / speed;
+pub fn all(
+    world: &World,
+    arguments: &Arguments,
+    action: &Action,
+) -> Result<Vec<Sample>, PluginError> {
+    let speed = if action.high_force {
+        arguments.high_speed_m_s
+    } else {
+        arguments.safe_speed_m_s
+    };
+    let crossing_s =
+        CROSSING_S + (world.joint.upper - world.joint.lower) * world.joint.lever() / speed;
     let mut samples = Vec::new();
     for demonstration in 0..arguments.demonstrations {
         let shift = (demonstration as f64 + 0.5) / arguments.demonstrations as f64;
         for (run, start) in starts(shift, action.sign).into_iter().enumerate() {
             let plan = Plan {
                 start,
-                prelude_s: if run >= 2 && run % 2 == 1 { PRELUDE_S } else { 0.0 },
+                prelude_s: if run >= 2 && (run as u64 + demonstration) % 2 == 1 {
+                    PRELUDE_S
+                } else {
+                    0.0
+                },
                 duration_s: if run < 2 { crossing_s } else { BURST_S },
                 seed: arguments.seed + 1000 * demonstration + run as u64,
             };
@@ -103,12 +116,15 @@ fn carry_out(
 
     let start = joint.lower + plan.start * (joint.upper - joint.lower);
     let path = scene.path.clone();
-    let state = |reading: &Reading| (start + path.displacement(reading)).clamp(joint.lower, joint.upper);
+    let state =
+        |reading: &Reading| (start + path.displacement(reading)).clamp(joint.lower, joint.upper);
     let mut samples = Vec::new();
     let mut furthest_back = f64::INFINITY;
     scene.run(action, plan.prelude_s + plan.duration_s, |before, after| {
         let way = |reading| path.displacement(reading) * joint.lever();
-        furthest_back = furthest_back.min(action.sign * way(before)).min(action.sign * way(after));
+        furthest_back = furthest_back
+            .min(action.sign * way(before))
+            .min(action.sign * way(after));
         if action.sign * way(after) - furthest_back < arguments.skipped_travel_m {
             return;
         }
@@ -151,7 +167,9 @@ impl Scene<'_> {
             self.arm.advance_to(command_ns.min(update_ns))?;
             let reading = self.arm.read()?;
             if command_ns <= update_ns {
-                let twist = self.controller.twist(&self.path, &reading, action, self.arguments);
+                let twist = self
+                    .controller
+                    .twist(&self.path, &reading, action, self.arguments);
                 self.arm.command(twist, reading.time_ns + COMMAND_LIFE_NS)?;
                 self.commands += 1;
             }
@@ -172,7 +190,11 @@ fn setup(world: &World, arguments: &Arguments, plan: &Plan) -> DriverSetup {
     let joint = &world.joint;
     DriverSetup {
         joint: JointSetup {
-            r#type: if joint.radius_m.is_some() { JointType::Revolute } else { JointType::Prismatic },
+            r#type: if joint.radius_m.is_some() {
+                JointType::Revolute
+            } else {
+                JointType::Prismatic
+            },
             lower: joint.lower,
             upper: joint.upper,
             integer: false,

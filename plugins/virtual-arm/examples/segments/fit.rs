@@ -37,11 +37,20 @@ impl Knots {
             let near = at < first - 1e-9 || at > 1.0 - last - 1e-9;
             let next = at + if near { fine } else { coarse };
             let turns_fine = at < 1.0 - last - 1e-9 && next > 1.0 - last - 1e-9;
-            at = if turns_fine { 1.0 - last } else { next.min(1.0) };
+            at = if turns_fine {
+                1.0 - last
+            } else {
+                next.min(1.0)
+            };
             knots.push(at);
         }
         knots.insert(knots.len() - 1, 1.0 - edge);
-        Self(knots.into_iter().map(|fraction| joint.lower + fraction * range).collect())
+        Self(
+            knots
+                .into_iter()
+                .map(|fraction| joint.lower + fraction * range)
+                .collect(),
+        )
     }
 
     fn cells(&self) -> usize {
@@ -103,7 +112,9 @@ pub fn moved(knots: &Knots, points: &[(f64, bool)]) -> Vec<MovedSegment> {
     let segment = |(from, to, cell): (usize, usize, Cell)| MovedSegment {
         from: knots.0[from],
         to: knots.0[to],
-        probability: cell.mean().clamp(PROBABILITY_MARGIN, 1.0 - PROBABILITY_MARGIN),
+        probability: cell
+            .mean()
+            .clamp(PROBABILITY_MARGIN, 1.0 - PROBABILITY_MARGIN),
     };
     merged(&cells, alike).into_iter().map(segment).collect()
 }
@@ -125,7 +136,10 @@ impl Cell {
     }
 
     fn and(&self, other: &Self) -> Self {
-        Self { sum: self.sum + other.sum, count: self.count + other.count }
+        Self {
+            sum: self.sum + other.sum,
+            count: self.count + other.count,
+        }
     }
 }
 
@@ -135,7 +149,9 @@ fn merged(cells: &[Cell], alike: impl Fn(&Cell, &Cell) -> bool) -> Vec<(usize, u
     for (index, cell) in cells.iter().enumerate() {
         match runs.last_mut() {
             Some((_, to, run))
-                if run.count < FEWEST_SAMPLES || cell.count < FEWEST_SAMPLES || alike(run, cell) =>
+                if run.count < FEWEST_SAMPLES
+                    || cell.count < FEWEST_SAMPLES
+                    || alike(run, cell) =>
             {
                 (*to, *run) = (index + 1, run.and(cell));
             }
@@ -148,7 +164,8 @@ fn merged(cells: &[Cell], alike: impl Fn(&Cell, &Cell) -> bool) -> Vec<(usize, u
 /// Knot values of the piecewise linear least-squares curve, by Gauss-Seidel.
 fn curve(knots: &Knots, points: &[(f64, f64)]) -> Vec<f64> {
     let count = knots.0.len();
-    let (mut diagonal, mut beside, mut right) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
+    let (mut diagonal, mut beside, mut right) =
+        (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
     for &(state, force) in points {
         let (cell, part) = knots.place(state);
         let rest = 1.0 - part;

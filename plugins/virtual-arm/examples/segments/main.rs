@@ -32,15 +32,28 @@ fn run() -> Result<(), String> {
     let world = World::load(&arguments.world).map_err(|error| error.to_string())?;
     let knots = Knots::over(&world.joint);
     let unit = print::Unit::of(&world.joint);
-    println!("# Made by the example `segments` of pubs-virtual-arm from world \"{}\":", arguments.world);
-    println!("# {} demonstrations of each action, seed {}.", arguments.demonstrations, arguments.seed);
+    println!(
+        "# Made by the example `segments` of pubs-virtual-arm from world \"{}\":",
+        arguments.world
+    );
+    println!(
+        "# {} demonstrations of each action, seed {}.",
+        arguments.demonstrations, arguments.seed
+    );
     for action in &ACTIONS {
-        let samples = demonstration::all(&world, &arguments, action).map_err(|error| error.to_string())?;
+        let samples =
+            demonstration::all(&world, &arguments, action).map_err(|error| error.to_string())?;
         for (channel, name) in ["f_d", "f_z", "f_n"].into_iter().enumerate() {
-            let points: Vec<_> = samples.iter().map(|sample| (sample.after, sample.force[channel])).collect();
+            let points: Vec<_> = samples
+                .iter()
+                .map(|sample| (sample.after, sample.force[channel]))
+                .collect();
             print::force(action.name, name, &fit::force(&knots, &points), &unit);
         }
-        let moves: Vec<_> = samples.iter().map(|sample| (sample.before, sample.moved)).collect();
+        let moves: Vec<_> = samples
+            .iter()
+            .map(|sample| (sample.before, sample.moved))
+            .collect();
         print::moved(action.name, &fit::moved(&knots, &moves), &unit);
     }
     Ok(())

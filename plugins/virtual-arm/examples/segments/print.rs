@@ -14,8 +14,16 @@ pub struct Unit {
 impl Unit {
     pub fn of(joint: &Joint) -> Self {
         match joint.radius_m {
-            Some(_) => Self { suffix: "deg", per_si: 1f64.to_degrees(), decimals: 2 },
-            None => Self { suffix: "m", per_si: 1.0, decimals: 5 },
+            Some(_) => Self {
+                suffix: "deg",
+                per_si: 1f64.to_degrees(),
+                decimals: 2,
+            },
+            None => Self {
+                suffix: "m",
+                per_si: 1.0,
+                decimals: 5,
+            },
         }
     }
 
@@ -28,8 +36,16 @@ impl Unit {
 fn number(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let text = text.trim_end_matches('0');
-    let text = if text.ends_with('.') { format!("{text}0") } else { text.to_owned() };
-    if text == "-0.0" { "0.0".to_owned() } else { text }
+    let text = if text.ends_with('.') {
+        format!("{text}0")
+    } else {
+        text.to_owned()
+    };
+    if text == "-0.0" {
+        "0.0".to_owned()
+    } else {
+        text
+    }
 }
 
 fn list(values: &[f64], write: impl Fn(f64) -> String) -> String {
@@ -39,16 +55,32 @@ fn list(values: &[f64], write: impl Fn(f64) -> String) -> String {
 
 fn head(action: &str, channel: &str, from: f64, to: f64, unit: &Unit) {
     println!("\n[[observation.segment]]\naction = \"{action}\"\nchannel = \"{channel}\"");
-    println!("from_{} = {}\nto_{} = {}", unit.suffix, unit.write(from), unit.suffix, unit.write(to));
+    println!(
+        "from_{} = {}\nto_{} = {}",
+        unit.suffix,
+        unit.write(from),
+        unit.suffix,
+        unit.write(to)
+    );
 }
 
 pub fn force(action: &str, channel: &str, segments: &[ForceSegment], unit: &Unit) {
     for segment in segments {
-        let (from, to) = (segment.position[0], segment.position[segment.position.len() - 1]);
+        let (from, to) = (
+            segment.position[0],
+            segment.position[segment.position.len() - 1],
+        );
         head(action, channel, from, to, unit);
         println!("sigma_n = {}", number(segment.sigma_n, 2));
-        println!("position_{} = {}", unit.suffix, list(&segment.position, |state| unit.write(state)));
-        println!("mean_n = {}", list(&segment.mean_n, |force| number(force, 2)));
+        println!(
+            "position_{} = {}",
+            unit.suffix,
+            list(&segment.position, |state| unit.write(state))
+        );
+        println!(
+            "mean_n = {}",
+            list(&segment.mean_n, |force| number(force, 2))
+        );
     }
 }
 

@@ -4,6 +4,7 @@
 //! joint (angle times radius on a hinge), and forces act at the handle along that path. So hinges
 //! and slides share every formula.
 
+mod check;
 mod error;
 mod file;
 mod read;
@@ -137,7 +138,12 @@ pub struct Deviation {
 
 impl Deviation {
     /// Nothing at all.
-    pub const NONE: Self = Self { mean: 0.0, amplitude: 0.0, wave_number: 0.0, phase: 0.0 };
+    pub const NONE: Self = Self {
+        mean: 0.0,
+        amplitude: 0.0,
+        wave_number: 0.0,
+        phase: 0.0,
+    };
 
     /// Value and slope (per m) at `x_m`.
     pub fn at(&self, x_m: f64) -> (f64, f64) {
@@ -145,7 +151,10 @@ impl Deviation {
             return (self.mean, 0.0);
         }
         let (sine, cosine) = (self.wave_number * x_m - self.phase).sin_cos();
-        (self.mean + self.amplitude * sine, self.amplitude * self.wave_number * cosine)
+        (
+            self.mean + self.amplitude * sine,
+            self.amplitude * self.wave_number * cosine,
+        )
     }
 }
 

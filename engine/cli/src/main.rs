@@ -1,2 +1,64 @@
-//! The program.
-fn main() {}
+//! `pubs-engine`: moves doors and drawers to a chosen joint state by touch alone.
+//!
+//! One file per verb in `verbs`; what they share is [`object`] (an object file made ready),
+//! [`policies`] (finding or training one), [`show`] (what goes to stdout and stderr) and
+//! [`failure`] (how a verb ends that cannot go on). Exit codes are in [`exit`].
+
+mod built_in;
+mod exit;
+mod failure;
+mod object;
+mod options;
+mod policies;
+mod show;
+mod training;
+mod verbs;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::failure::Failure;
+
+/// Moves doors and drawers to a chosen joint state by touch alone.
+#[derive(Parser)]
+#[command(name = "pubs-engine", version, propagate_version = true, max_term_width = 100, after_help = exit::TABLE)]
+struct Program {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    /// Move an object to one or more goals
+    Run(verbs::run::Arguments),
+    /// Check object files and report every fault at its line
+    Check(verbs::check::Arguments),
+    /// Print the engine's default settings, commented
+    Config(verbs::config::Arguments),
+    /// Train a policy for an object
+    Train(verbs::train::Arguments),
+    /// Judge a policy by many simulated trials
+    Evaluate(verbs::evaluate::Arguments),
+    /// List plugins, or check one
+    Plugins(verbs::plugins::Arguments),
+}
+
+fn main() -> ExitCode {
+    let program = Program::parse();
+    let result = match program.verb {
+        Verb::Run(arguments) => verbs::run::run(&arguments),
+        Verb::Check(arguments) => verbs::check::run(&arguments),
+        Verb::Config(arguments) => verbs::config::run(&arguments),
+        Verb::Train(arguments) => verbs::train::run(&arguments),
+        Verb::Evaluate(arguments) => verbs::evaluate::run(&arguments),
+        Verb::Plugins(arguments) => verbs::plugins::run(&arguments),
+    };
+    match result {
+        Ok(code) => ExitCode::from(code),
+        Err(failure) => ExitCode::from(failure.report()),
+    }
+}
+
+/// What a verb gives back: its exit code, or why it could not go on.
+type Ended = Result<u8, Failure>;

@@ -55,16 +55,16 @@ impl Control {
         }
     }
 
-    /// One control period's change of speed towards `target`: speeding up and turning round are
-    /// bounded by the acceleration, slowing down by the deceleration of a stop.
+    /// One control period's change of speed towards `target`: speeding up is bounded by the
+    /// acceleration, slowing down, also to turn round, by the deceleration of a stop.
     pub fn ramp(&self, speed: f64, target: f64) -> f64 {
-        let slowing = target == 0.0 || (speed * target > 0.0 && target.abs() < speed.abs());
-        let bound = if slowing {
-            self.stop_deceleration_m_s2
-        } else {
-            self.acceleration_m_s2
-        };
-        let step = bound / self.rate_hz;
+        let braking = self.stop_deceleration_m_s2 / self.rate_hz;
+        if speed * target < 0.0 {
+            // Turning round: to rest first, so that the old direction is left quickly.
+            return speed - speed.clamp(-braking, braking);
+        }
+        let slowing = target.abs() < speed.abs();
+        let step = if slowing { braking } else { self.acceleration_m_s2 / self.rate_hz };
         speed + (target - speed).clamp(-step, step)
     }
 }

@@ -16,7 +16,7 @@ pub struct Shield {
 /// Which actions the shield allows, by index. Stop and safe actions always are; a high-force
 /// action is not where more than `mass` of the flattened belief lies within its Δs of the limit
 /// it moves towards.
-pub fn allowed(shield: Option<&Shield>, task: &Task, belief: &mut Filter, allowed: &mut [bool]) {
+pub fn allowed(shield: Option<&Shield>, task: &Task, belief: &Filter, allowed: &mut [bool]) {
     allowed.fill(true);
     let Some(shield) = shield else { return };
     for (action, allowed) in task.actions.iter().zip(allowed) {

@@ -315,11 +315,11 @@ fn shield_masks_high_force_near_its_limit_only() {
         for _ in 0..updates * 10 {
             filter.update(1, 0.0, &[mean(0.4) as f32, 1.0]).unwrap();
         }
-        shield::allowed(Some(&task.policy.shield), &task, &mut filter, &mut allowed);
+        shield::allowed(Some(&task.policy.shield), &task, &filter, &mut allowed);
         assert_eq!(allowed, expected, "{name}: {:?}", filter.summary());
     }
     let mut filter = Filter::new(&task, Arc::new(Hump::new(true, true)));
-    shield::allowed(None, &task, &mut filter, &mut allowed);
+    shield::allowed(None, &task, &filter, &mut allowed);
     assert_eq!(allowed, [true; 5], "without a shield everything is allowed");
 }
 

@@ -1,1 +1,14 @@
-//! Trials of a policy and the figures that judge it.
+//! Trials of a policy and the figures that judge it, §IV.
+//!
+//! [`evaluate`] runs randomised trials of a policy file on the surrogate of an object, on all
+//! cores, and sums them up as an [`Evaluation`]; the number of threads never changes a figure.
+//! [`train_best`] trains a policy with several seeds and keeps the one that does best on common
+//! trials. [`trial`] is one trial, [`statistics`] its sums.
+
+mod candidates;
+mod evaluation;
+pub mod statistics;
+pub mod trial;
+
+pub use candidates::{Candidate, TrainBestError, TrainingPlan, contract_of, expected_of, train_best};
+pub use evaluation::{EvaluateError, Evaluation, EvaluationOptions, GoalChoice, evaluate};

@@ -1,31 +1,25 @@
-//! A plugin's model as the belief filter takes it.
+//! A plugin's model, as the belief asks it.
 
 use pubs_core::belief::{Model, ModelError};
 use pubs_plugin::{Channel, GridTransitions, Support, Transitions};
 
 use crate::{HostError, ModelInstance};
 
+fn said(error: HostError) -> ModelError {
+    ModelError(error.to_string())
+}
+
 impl Model for ModelInstance {
     fn channels(&self) -> &[Channel] {
-        self.channels()
+        Self::channels(self)
     }
 
-    fn moments(
-        &self,
-        transitions: Transitions<'_>,
-        mean: &mut [f32],
-        sigma: &mut [f32],
-    ) -> Result<Support, ModelError> {
-        self.moments(transitions, mean, sigma).map_err(in_words)
+    fn moments(&self, transitions: Transitions<'_>, mean: &mut [f32], sigma: &mut [f32]) -> Result<Support, ModelError> {
+        Self::moments(self, transitions, mean, sigma).map_err(said)
     }
 
-    fn moments_grid(
-        &self,
-        grid: GridTransitions,
-        mean: &mut [f32],
-        sigma: &mut [f32],
-    ) -> Result<Support, ModelError> {
-        self.moments_grid(grid, mean, sigma).map_err(in_words)
+    fn moments_grid(&self, grid: GridTransitions, mean: &mut [f32], sigma: &mut [f32]) -> Result<Support, ModelError> {
+        Self::moments_grid(self, grid, mean, sigma).map_err(said)
     }
 
     fn log_likelihood(
@@ -34,8 +28,7 @@ impl Model for ModelInstance {
         observation: &[f32],
         log_likelihood: &mut [f32],
     ) -> Result<Support, ModelError> {
-        self.log_likelihood(transitions, observation, log_likelihood)
-            .map_err(in_words)
+        Self::log_likelihood(self, transitions, observation, log_likelihood).map_err(said)
     }
 
     fn sample(
@@ -44,12 +37,6 @@ impl Model for ModelInstance {
         normals: &[f32],
         observations: &mut [f32],
     ) -> Result<Support, ModelError> {
-        self.sample(transitions, normals, observations)
-            .map_err(in_words)
+        Self::sample(self, transitions, normals, observations).map_err(said)
     }
-}
-
-#[cold]
-fn in_words(error: HostError) -> ModelError {
-    ModelError(error.to_string())
 }

@@ -11,14 +11,18 @@
 
 mod belief_model;
 mod call;
+mod channels;
+pub mod conformance;
 mod driver;
 mod elf;
 mod error;
 pub mod library;
 mod model;
+mod model_plugin;
 mod nearest;
 mod parameters;
 mod plugin;
+mod reading;
 mod registry;
 mod search_path;
 mod sweep;
@@ -27,7 +31,8 @@ pub use call::Failure;
 pub use driver::{DriverInstance, DriverPlugin};
 pub use error::HostError;
 pub use library::LibraryFault;
-pub use model::{ModelInstance, ModelPlugin};
+pub use model::ModelInstance;
+pub use model_plugin::ModelPlugin;
 pub use parameters::ParameterFault;
 pub use plugin::{Origin, Plugin, PluginKind};
 pub use registry::{Listed, Registry};

@@ -4,133 +4,21 @@ use std::ffi::{c_char, c_void};
 use std::fmt;
 use std::sync::Arc;
 
-use pubs_plugin::table::{
-    CHANNEL_BERNOULLI, CHANNEL_GAUSSIAN, CHANNEL_NAME_BYTES, ChannelEntry, LogLikelihoodFunction,
-    MomentsFunction, MomentsGridFunction, ObservationModelTable, SampleFunction,
-};
-use pubs_plugin::{Channel, ChannelKind, GridTransitions, ModelSetup, Support, Transitions};
+use pubs_plugin::table::ObservationModelTable;
+use pubs_plugin::{Channel, GridTransitions, Support, Transitions};
 
-use crate::call::{Failure, call, demand, filled_text};
-use crate::plugin::{Functions, Plugin};
-use crate::registry::wrong_kind;
-use crate::{HostError, ParameterFault, PluginKind, sweep};
-
-/// More channels than any observation has.
-const MOST_CHANNELS: usize = 64;
-
-/// An observation-model plugin, ready to make instances.
-#[derive(Debug, Clone)]
-pub struct ModelPlugin {
-    plugin: Arc<Plugin>,
-    table: &'static ObservationModelTable,
-}
-
-impl ModelPlugin {
-    /// The plugin as an observation model.
-    ///
-    /// # Errors
-    /// Where it is a driver.
-    pub fn new(plugin: Arc<Plugin>) -> Result<Self, HostError> {
-        match plugin.functions() {
-            Functions::ObservationModel(table) => Ok(Self { plugin, table }),
-            Functions::Driver(_) => Err(wrong_kind(&plugin, PluginKind::ObservationModel)),
-        }
-    }
-
-    /// Name, version, origin, schema.
-    pub fn plugin(&self) -> &Plugin {
-        &self.plugin
-    }
-
-    /// All that is wrong with an `[observation]` table; pointers are from that table.
-    pub fn check_parameters(&self, observation: &serde_json::Value) -> Vec<ParameterFault> {
-        self.plugin.schema().check_observation(observation)
-    }
-
-    /// Makes the model of one object and sweeps it once over actions and states, so that a model
-    /// that gives NaN is refused before anything moves.
-    ///
-    /// # Errors
-    /// Where the parameters do not fit the schema, the plugin refuses, or its answers break the
-    /// contract.
-    pub fn create(&self, setup: &ModelSetup) -> Result<ModelInstance, HostError> {
-        let mut instance = self.create_unswept(setup)?;
-        instance.gaussian = sweep::sweep(&instance, setup)?;
-        Ok(instance)
-    }
-
-    /// As [`create`](Self::create) before the sweep: for the conformance kit, which reports.
-    pub(crate) fn create_unswept(&self, setup: &ModelSetup) -> Result<ModelInstance, HostError> {
-        let faults = self.check_parameters(&setup.observation);
-        if !faults.is_empty() {
-            return Err(HostError::Parameters {
-                plugin: self.plugin.name().to_owned(),
-                faults,
-            });
-        }
-        let json = serde_json::to_vec(setup).map_err(|error| HostError::Setup {
-            plugin: self.plugin.name().to_owned(),
-            message: error.to_string(),
-        })?;
-        let handle = self
-            .create_handle(&json)
-            .map_err(|failure| self.failed("create", failure))?;
-        let mut instance = ModelInstance {
-            plugin: Arc::clone(&self.plugin),
-            moments: self.table.moments,
-            moments_grid: self.table.moments_grid,
-            log_likelihood: self.table.log_likelihood,
-            sample: self.table.sample,
-            table: self.table,
-            handle,
-            channels: Vec::new(),
-            actions: setup
-                .actions
-                .iter()
-                .map(|action| action.name.clone())
-                .collect(),
-            gaussian: true,
-        };
-        instance.channels = instance
-            .ask_channels()
-            .map_err(|failure| self.failed("channels", failure))?;
-        Ok(instance)
-    }
-
-    /// Calls `create` with any bytes.
-    pub(crate) fn create_handle(&self, json: &[u8]) -> Result<*mut c_void, Failure> {
-        let create = self.table.create.ok_or(Failure::Absent)?;
-        let mut handle = std::ptr::null_mut();
-        // SAFETY: `create` of a checked table; the arguments are as the header says.
-        demand(|error, capacity| unsafe {
-            create(json.as_ptr(), json.len(), &mut handle, error, capacity)
-        })?;
-        Ok(handle)
-    }
-
-    fn failed(&self, function: &'static str, failure: Failure) -> HostError {
-        HostError::Call {
-            plugin: self.plugin.name().to_owned(),
-            function,
-            context: String::new(),
-            failure,
-        }
-    }
-}
+use crate::call::{Failure, call};
+use crate::{HostError, Plugin, sweep};
 
 /// The model of one object. Its functions may be called from several threads at once; it ends when
 /// dropped, and keeps its plugin until then.
 pub struct ModelInstance {
-    plugin: Arc<Plugin>,
-    table: &'static ObservationModelTable,
-    moments: Option<MomentsFunction>,
-    moments_grid: Option<MomentsGridFunction>,
-    log_likelihood: Option<LogLikelihoodFunction>,
-    sample: Option<SampleFunction>,
-    handle: *mut c_void,
-    channels: Vec<Channel>,
-    actions: Vec<String>,
-    gaussian: bool,
+    pub(crate) plugin: Arc<Plugin>,
+    pub(crate) table: &'static ObservationModelTable,
+    pub(crate) handle: *mut c_void,
+    pub(crate) channels: Vec<Channel>,
+    pub(crate) actions: Vec<String>,
+    pub(crate) gaussian: bool,
 }
 
 // SAFETY: the contract of the ABI: after `create`, an instance's functions may be called from any
@@ -197,7 +85,7 @@ impl ModelInstance {
             ];
             return Err(self.mismatch("moments", action, count, &arrays));
         }
-        let Some(moments) = self.moments else {
+        let Some(moments) = self.table.moments else {
             return Ok(Support::Absent);
         };
         call(|error, capacity| {
@@ -243,7 +131,7 @@ impl ModelInstance {
             let arrays = [("mean", mean.len()), ("sigma", sigma.len())];
             return Err(self.mismatch("moments_grid", action, count, &arrays));
         }
-        let Some(moments_grid) = self.moments_grid else {
+        let Some(moments_grid) = self.table.moments_grid else {
             return Ok(Support::Absent);
         };
         call(|error, capacity| {
@@ -297,7 +185,7 @@ impl ModelInstance {
             ];
             return Err(self.mismatch("log_likelihood", action, count, &arrays));
         }
-        let Some(function) = self.log_likelihood else {
+        let Some(function) = self.table.log_likelihood else {
             return Ok(Support::Absent);
         };
         call(|error, capacity| {
@@ -351,7 +239,7 @@ impl ModelInstance {
             ];
             return Err(self.mismatch("sample", action, count, &arrays));
         }
-        let Some(sample) = self.sample else {
+        let Some(sample) = self.table.sample else {
             return Ok(Support::Absent);
         };
         call(|error, capacity| {
@@ -392,6 +280,24 @@ impl ModelInstance {
             None => Ok(()),
             Some(text) => Err(self.failed("moments", action, states.len(), Failure::Value(text))),
         }
+    }
+
+    /// `moments` past the checks of action and lengths: for the conformance kit.
+    pub(crate) fn moments_unchecked(
+        &self,
+        action: usize,
+        before: &[f32],
+        after: &[f32],
+        mean: &mut [f32],
+        sigma: &mut [f32],
+    ) -> Result<Support, Failure> {
+        let Some(moments) = self.table.moments else { return Ok(Support::Absent) };
+        let count = after.len().min(before.len());
+        call(|error, capacity| {
+            let (mean, sigma) = (mean.as_mut_ptr(), sigma.as_mut_ptr());
+            // SAFETY: the handle is alive; the caller's outputs have room for every channel.
+            unsafe { moments(self.handle, action, before.as_ptr(), after.as_ptr(), count, mean, sigma, error, capacity) }
+        })
     }
 
     /// An error of this instance's function.
@@ -436,47 +342,6 @@ impl ModelInstance {
         );
         self.failed(function, action, count, Failure::Value(text))
     }
-
-    fn ask_channels(&self) -> Result<Vec<Channel>, Failure> {
-        let function = self.table.channels.ok_or(Failure::Absent)?;
-        let mut entries = [ChannelEntry {
-            name: [0; CHANNEL_NAME_BYTES],
-            kind: u32::MAX,
-        }; MOST_CHANNELS];
-        let mut count = 0;
-        // SAFETY: the handle is alive and the array has MOST_CHANNELS entries.
-        demand(|error, capacity| unsafe {
-            function(
-                self.handle,
-                entries.as_mut_ptr(),
-                MOST_CHANNELS,
-                &mut count,
-                error,
-                capacity,
-            )
-        })?;
-        if count == 0 || count > MOST_CHANNELS {
-            return Err(Failure::Value(format!(
-                "a model has 1 to {MOST_CHANNELS} channels, this one {count}"
-            )));
-        }
-        let channels: Vec<Channel> = entries[..count]
-            .iter()
-            .map(channel)
-            .collect::<Result<_, _>>()?;
-        for (index, channel) in channels.iter().enumerate() {
-            if channels[..index]
-                .iter()
-                .any(|other| other.name == channel.name)
-            {
-                return Err(Failure::Value(format!(
-                    "two channels are named `{}`",
-                    channel.name
-                )));
-            }
-        }
-        Ok(channels)
-    }
 }
 
 impl Drop for ModelInstance {
@@ -488,23 +353,4 @@ impl Drop for ModelInstance {
             });
         }
     }
-}
-
-fn channel(entry: &ChannelEntry) -> Result<Channel, Failure> {
-    let bytes = entry.name.map(|character| character as u8);
-    let name = filled_text(&bytes).map_err(Failure::Value)?;
-    if name.is_empty() {
-        return Err(Failure::Value("a channel has no name".to_owned()));
-    }
-    let kind = match entry.kind {
-        CHANNEL_GAUSSIAN => ChannelKind::Gaussian,
-        CHANNEL_BERNOULLI => ChannelKind::Bernoulli,
-        other => {
-            let text = format!(
-                "channel `{name}` is of kind {other}, which is neither 0 (Gaussian) nor 1 (Bernoulli)"
-            );
-            return Err(Failure::Value(text));
-        }
-    };
-    Ok(Channel { name, kind })
 }

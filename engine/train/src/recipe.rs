@@ -71,6 +71,9 @@ pub struct Recipe {
     pub adam_epsilon: f32,
     /// How the mean joint state is scaled.
     pub input_range: InputRange,
+    /// Episodes are cut off, with the value of their last state, after so many steps. Without a
+    /// cap an early policy that never stops keeps its copy from ever starting anew.
+    pub episode_cap: Option<u32>,
 }
 
 impl Recipe {
@@ -93,6 +96,7 @@ impl Recipe {
             gradient_norm: 0.5,
             adam_epsilon: 1e-5,
             input_range: InputRange::Unit,
+            episode_cap: None,
         }
     }
 
@@ -108,6 +112,7 @@ impl Recipe {
             learning_rate: Schedule { start: 1e-3, end: 0.0 },
             entropy_coefficient: Schedule { start: 0.01, end: 0.0 },
             input_range: InputRange::Centred,
+            episode_cap: Some(250),
             ..Self::paper()
         }
     }

@@ -274,6 +274,15 @@ impl Filter {
         result
     }
 
+    /// The handle moved by `displacement` while nothing could be learnt from the forces: eq. (6)
+    /// alone. A displacement that is not finite is ignored.
+    pub fn follow(&mut self, displacement: f64) {
+        if displacement.is_finite() && displacement != 0.0 {
+            self.cloud.shift(displacement);
+            self.normalise();
+        }
+    }
+
     /// Whether this update's force reading counts: one does per `reading_spacing` of travel or
     /// reversal, because readings taken closer together are not independent.
     fn counts_force_reading(&mut self, displacement: f64) -> bool {

@@ -5,15 +5,11 @@ use std::sync::Arc;
 use pubs_core::Task;
 use pubs_core::belief::{BeliefError, Model};
 use pubs_core::shield::Shield;
-use rand::{Rng, RngExt, SeedableRng};
+use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::{Episode, Goals, Stopped};
+use super::{Episode, Goals, Stopped, draw_goal, draw_start};
 use crate::environment::{End, Environments, StepOutcome};
-
-/// Share of episodes for each of the two ends of the range, where a policy learns every goal: the
-/// ends are the hardest goals and a uniform draw would never give them.
-const GOAL_AT_END: f64 = 0.1;
 
 /// How episodes are drawn while training.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,24 +62,14 @@ impl SurrogateEnvironments {
         let state = if self.successes < self.options.curriculum {
             if self.rng.random() { to } else { from }
         } else {
-            draw(from, to, joint.is_integer(), &mut self.rng)
+            draw_start(joint, &mut self.rng)
         };
         let goal = match self.options.goals {
             Goals::One(goal) => goal,
-            Goals::Every => match self.rng.random::<f64>() {
-                share if share < GOAL_AT_END => joint.lower,
-                share if share < 2.0 * GOAL_AT_END => joint.upper,
-                _ => draw(joint.lower, joint.upper, joint.is_integer(), &mut self.rng),
-            },
+            Goals::Every => draw_goal(joint, &mut self.rng),
         };
         self.episodes[index].begin(state, goal, &mut self.rng);
     }
-}
-
-/// A state of the prior, every one as likely.
-pub(crate) fn draw(from: f64, to: f64, integer: bool, rng: &mut impl Rng) -> f64 {
-    let share = rng.random::<f64>();
-    if integer { (from - 0.5 + share * (to - from + 1.0)).round().clamp(from, to) } else { from + share * (to - from) }
 }
 
 impl Environments for SurrogateEnvironments {

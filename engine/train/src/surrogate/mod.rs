@@ -4,11 +4,13 @@
 //! sampled observations, and pays the reward of the true state: sample from T and Z, update the
 //! belief, reward. The filter is the robot's own, and runs as often per policy step.
 
+mod draw;
 mod episode;
 mod environments;
 mod simulator;
 
 pub use environments::{SurrogateEnvironments, TrainingOptions};
+pub use draw::{draw_goal, draw_start};
 pub use episode::{Episode, Step, Stopped};
 pub use simulator::Simulator;
 

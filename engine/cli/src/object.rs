@@ -1,0 +1,88 @@
+//! An object file made ready: checked, compiled, its observation model created.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use pubs_core::Task;
+use pubs_core::belief::Model;
+use pubs_core::object::{self, Fault, Faults, LoadedObject, Overrides, key_of_pointer};
+use pubs_core::seed::stream;
+use pubs_core::task::compile;
+use pubs_host::{HostError, ParameterFault, Registry};
+
+use crate::failure::Failure;
+
+/// Everything that a verb needs of an object.
+pub struct Ready {
+    /// The file.
+    pub loaded: LoadedObject,
+    /// The file, compiled.
+    pub task: Arc<Task>,
+    /// Its observation model.
+    pub model: Arc<dyn Model>,
+}
+
+/// Loads an object file and creates its model.
+///
+/// # Errors
+/// Every fault of the file, or a plugin that does not fit.
+pub fn ready(path: &Path, overrides: &Overrides, registry: &Registry, seed: u64) -> Result<Ready, Failure> {
+    let loaded = object::load(path, overrides)?;
+    let task = compile(&loaded.file).map_err(|error| Failure::fault(&error))?;
+    let faults = parameter_faults(&loaded, &task, registry);
+    if !faults.is_empty() {
+        return Err(Failure::Faults(Faults(faults)));
+    }
+    let model = registry.observation_model(&task.observation.model)?.create(&task.model_setup(stream(seed, "model")))?;
+    Ok(Ready { loaded, task: Arc::new(task), model: Arc::new(model) })
+}
+
+/// Everything about one file that can be checked without moving anything.
+pub fn faults(path: &Path, overrides: &Overrides, registry: &Registry) -> Vec<Fault> {
+    let loaded = match object::load(path, overrides) {
+        Ok(loaded) => loaded,
+        Err(Faults(faults)) => return faults,
+    };
+    let task = match compile(&loaded.file) {
+        Ok(task) => task,
+        Err(error) => return vec![loaded.fault("schema", error.to_string(), "report this")],
+    };
+    let faults = parameter_faults(&loaded, &task, registry);
+    if !faults.is_empty() {
+        return faults;
+    }
+    let created = registry.observation_model(&task.observation.model).and_then(|plugin| plugin.create(&task.model_setup(0)));
+    created.err().map(|error| model_fault(&loaded, &error)).into_iter().collect()
+}
+
+/// What plugins say of the tables that are theirs.
+fn parameter_faults(loaded: &LoadedObject, task: &Task, registry: &Registry) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    match registry.observation_model(&task.observation.model) {
+        Ok(plugin) => {
+            let found = plugin.check_parameters(&task.observation.table);
+            faults.extend(at_their_lines(loaded, "observation", &task.observation.model, found));
+        }
+        Err(error) => faults.push(loaded.fault("observation.model", error.to_string(), "name a plugin that `pubs-engine plugins list` shows")),
+    }
+    if let Some(driver) = &task.driver {
+        match registry.driver(&driver.plugin) {
+            Ok(plugin) => {
+                let found = plugin.check_parameters(&driver.table);
+                faults.extend(at_their_lines(loaded, "driver", &driver.plugin, found));
+            }
+            Err(error) => faults.push(loaded.fault("driver.plugin", error.to_string(), "name a plugin that `pubs-engine plugins list` shows")),
+        }
+    }
+    faults
+}
+
+fn at_their_lines(loaded: &LoadedObject, table: &str, plugin: &str, found: Vec<ParameterFault>) -> Vec<Fault> {
+    let help = format!("the plugin `{plugin}` says what its parameters are: `pubs-engine plugins list --schema`");
+    let fault = |fault: ParameterFault| loaded.fault(&key_of_pointer(table, &fault.pointer), fault.message, help.clone());
+    found.into_iter().map(fault).collect()
+}
+
+fn model_fault(loaded: &LoadedObject, error: &HostError) -> Fault {
+    loaded.fault("observation", error.to_string(), "mend the [observation] table, or the plugin it names")
+}

@@ -1,0 +1,55 @@
+//! Options that several verbs share.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use pubs_core::object::Overrides;
+use pubs_policy::Runtime;
+
+use crate::failure::{Failure, chain};
+
+/// Where an object comes from.
+#[derive(Args)]
+pub struct ObjectOptions {
+    /// Object file
+    #[arg(value_name = "OBJECT")]
+    pub object: PathBuf,
+    #[command(flatten)]
+    pub layers: LayerOptions,
+}
+
+/// What stands above an object file.
+#[derive(Args)]
+pub struct LayerOptions {
+    /// Override a key of the object file, such as belief.particles=500 [also PUBS_SET__BELIEF__PARTICLES]
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Look for plugins here first [also PUBS_PLUGIN_PATH]
+    #[arg(long = "plugin-dir", value_name = "DIR")]
+    pub plugin_dirs: Vec<PathBuf>,
+}
+
+impl LayerOptions {
+    /// The overrides, from environment and command line.
+    pub fn overrides(&self) -> Overrides {
+        Overrides::from_process(self.set.iter().cloned())
+    }
+}
+
+/// What runs policies.
+#[derive(Args)]
+pub struct RuntimeOptions {
+    /// Run policies with this ONNX Runtime library instead of the built-in one
+    #[arg(long, value_name = "PATH", env = "ORT_DYLIB_PATH")]
+    pub onnxruntime: Option<PathBuf>,
+}
+
+impl RuntimeOptions {
+    /// The runtime, chosen once per process.
+    ///
+    /// # Errors
+    /// Where the library cannot be used.
+    pub fn runtime(&self) -> Result<Runtime, Failure> {
+        Runtime::from_library(self.onnxruntime.as_deref()).map_err(|error| Failure::incompatible(chain(&error)))
+    }
+}

@@ -1,0 +1,79 @@
+//! Training with a progress bar.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::PoisonError;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use indicatif::{ProgressBar, ProgressStyle};
+use pubs_evaluate::{Candidate, Evaluation, TrainBestError, TrainingPlan, train_best};
+use pubs_policy::{Existing, ExportError, Runtime};
+use pubs_train::Progress;
+
+use crate::failure::Failure;
+use crate::object::Ready;
+
+/// What a training brought.
+pub struct TrainingResult {
+    /// One per seed.
+    pub candidates: Vec<Candidate>,
+    /// Index of the one that was kept.
+    pub best: usize,
+    /// Its figures on fresh trials.
+    pub evaluation: Evaluation,
+}
+
+/// Trains, showing steps/s, return, success and violations, and writes the best policy to `path`.
+///
+/// # Errors
+/// Where a training fails or the file cannot be written.
+pub fn train(
+    ready: &Ready,
+    plan: &TrainingPlan,
+    path: &Path,
+    existing: Existing,
+    runtime: &Runtime,
+    interrupt: &AtomicBool,
+) -> Result<TrainingResult, Failure> {
+    let bar = ProgressBar::new((plan.recipe.updates() * plan.recipe.rollout * plan.recipe.environments * plan.seeds.len()) as u64);
+    bar.set_style(style());
+    let latest = Mutex::new(vec![Progress::default(); plan.seeds.len()]);
+    let report = |index: usize, progress: &Progress| {
+        let mut latest = latest.lock().unwrap_or_else(PoisonError::into_inner);
+        latest[index] = *progress;
+        bar.set_position(latest.iter().map(|progress| progress.steps as u64).sum());
+        bar.set_message(describe(plan.seeds[index], progress));
+        if interrupt.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let result = train_best(&ready.task, &ready.model, plan, path, existing, runtime, &report);
+    bar.finish_and_clear();
+    let (candidates, best, evaluation) = result.map_err(failure)?;
+    Ok(TrainingResult { candidates, best, evaluation })
+}
+
+fn failure(error: TrainBestError) -> Failure {
+    match &error {
+        TrainBestError::Export(ExportError::Exists { .. }) => {
+            Failure::invalid(format!("{error}; --overwrite replaces it"))
+        }
+        _ => Failure::fault(&error),
+    }
+}
+
+fn describe(seed: u64, progress: &Progress) -> String {
+    let percent = |rate: Option<f32>| rate.map_or_else(|| "–".to_owned(), |rate| format!("{:.1} %", 100.0 * rate));
+    let mean_return = progress.mean_return.map_or_else(|| "–".to_owned(), |value| format!("{value:.3}"));
+    format!(
+        "seed {seed}: {:.0} steps/s, return {mean_return}, success {}, violations {}",
+        progress.steps_per_s(),
+        percent(progress.success_rate),
+        percent(progress.violation_rate),
+    )
+}
+
+fn style() -> ProgressStyle {
+    ProgressStyle::with_template("training {bar:30} {percent:>3} %  {msg}  ({eta} left)")
+        .unwrap_or_else(|_| ProgressStyle::default_bar())
+}
+

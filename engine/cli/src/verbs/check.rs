@@ -1,0 +1,58 @@
+//! `pubs-engine check`: every fault of every file at once.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use pubs_core::object::{self, Fault, Faults};
+use serde::Serialize;
+
+use crate::options::LayerOptions;
+use crate::{Ended, built_in, exit, show};
+
+#[derive(Args)]
+#[command(after_help = "Example: pubs-engine check objects/")]
+pub struct Arguments {
+    /// Object files, or folders of them
+    #[arg(value_name = "PATH", required = true)]
+    paths: Vec<PathBuf>,
+    #[command(flatten)]
+    layers: LayerOptions,
+    /// One JSON object on stdout
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Report {
+    ok: bool,
+    files: usize,
+    faults: Vec<Fault>,
+}
+
+pub fn run(arguments: &Arguments) -> Ended {
+    let registry = built_in::registry(&arguments.layers.plugin_dirs);
+    let overrides = arguments.layers.overrides();
+    let (mut files, mut faults) = (Vec::new(), Vec::new());
+    for path in &arguments.paths {
+        match object::files(path) {
+            Ok(found) => files.extend(found),
+            Err(Faults(found)) => faults.extend(found),
+        }
+    }
+    for file in &files {
+        faults.extend(crate::object::faults(file, &overrides, &registry));
+    }
+    let code = if faults.is_empty() { exit::DONE } else { exit::INVALID };
+    if arguments.json {
+        show::print_json(&Report { ok: faults.is_empty(), files: files.len(), faults })?;
+        return Ok(code);
+    }
+    let count = faults.len();
+    if count > 0 {
+        show::print(object::render(&Faults(faults), show::color_on_stdout()).trim_end())?;
+    }
+    let plural = |count: usize| if count == 1 { "" } else { "s" };
+    let verdict = if count == 0 { "ok".to_owned() } else { format!("{count} fault{}", plural(count)) };
+    show::print(&format!("{} object file{} checked: {verdict}", files.len(), plural(files.len())))?;
+    Ok(code)
+}

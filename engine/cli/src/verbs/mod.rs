@@ -1,0 +1,8 @@
+//! One file per verb.
+
+pub mod check;
+pub mod config;
+pub mod evaluate;
+pub mod plugins;
+pub mod run;
+pub mod train;

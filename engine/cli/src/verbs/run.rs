@@ -1,0 +1,246 @@
+//! `pubs-engine run`: moves an object to its goals.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use pubs_core::seed::stream;
+use pubs_core::{Joint, Task};
+use pubs_host::Registry;
+use pubs_policy::{FeatureName, PolicyFile, Runtime};
+use pubs_run::{Arm, GoalPlan, GoalReport, Outcome, RunOptions, RunReport, Status};
+
+use crate::failure::Failure;
+use crate::object::Ready;
+use crate::options::{ObjectOptions, RuntimeOptions};
+use crate::policies::{self, MAX_STEPS};
+use crate::verbs::evaluate::parse_goal;
+use crate::{Ended, built_in, exit, object, show};
+
+#[derive(Args)]
+#[command(after_help = "Examples: pubs-engine run objects/door2.toml --goal 0.5
+          pubs-engine run objects/door2.toml --goal 40deg --goal closed --lockstep --seed 7
+A goal is a fraction of the range (0.5), open, closed, middle, 40deg, 12cm, or @50 in the joint's own unit.")]
+pub struct Arguments {
+    #[command(flatten)]
+    object: ObjectOptions,
+    /// Goal; several are reached one after the other, keeping the belief
+    #[arg(long = "goal", value_name = "GOAL", required = true)]
+    goals: Vec<String>,
+    /// Use this policy [default: one that fits from the folder of policies, or a new one]
+    #[arg(long, value_name = "FILE")]
+    policy: Option<PathBuf>,
+    /// Folder of policies [default: policies, beside the object's folder]
+    #[arg(long, value_name = "DIR")]
+    policies: Option<PathBuf>,
+    /// Inputs of a policy that was exported elsewhere and carries no contract, such as mean,entropy
+    #[arg(long, value_delimiter = ',', value_name = "NAMES", requires = "policy")]
+    inputs: Vec<FeatureName>,
+    /// Use this driver plugin instead of the object's
+    #[arg(long, value_name = "PLUGIN")]
+    driver: Option<String>,
+    /// Run on a virtual clock: the same run byte for byte (drivers with virtual time only)
+    #[arg(long)]
+    lockstep: bool,
+    /// Leave high-force actions unmasked, as the paper
+    #[arg(long)]
+    no_shield: bool,
+    /// Give up a goal after so many policy steps
+    #[arg(long, default_value_t = MAX_STEPS, value_parser = clap::value_parser!(u32).range(1..))]
+    max_steps: u32,
+    /// Seed of everything that is drawn
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Use the object although its numbers were taken with another force sensor
+    #[arg(long)]
+    accept_sensor: bool,
+    #[command(flatten)]
+    runtime: RuntimeOptions,
+    /// One JSON object on stdout
+    #[arg(long)]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Ended {
+    if cfg!(debug_assertions) {
+        show::say("warning: this is a debug build; its loops will be late (use --release)");
+    }
+    let layers = &arguments.object.layers;
+    let registry = built_in::registry(&layers.plugin_dirs);
+    let ready = object::ready(&arguments.object.object, &overrides(arguments), &registry, arguments.seed)?;
+    let goals = arguments
+        .goals
+        .iter()
+        .map(|goal| parse_goal(goal, &ready.task.joint))
+        .collect::<Result<Vec<f64>, Failure>>()?;
+    let runtime = arguments.runtime.runtime()?;
+    let interrupt = Arc::new(AtomicBool::new(false));
+    let handler = Arc::clone(&interrupt);
+    ctrlc::set_handler(move || handler.store(true, Ordering::Release)).map_err(|error| Failure::fault(&error))?;
+    let file = policy(arguments, &ready, &goals, &runtime, &interrupt)?;
+    let policy = file.open(&runtime).map_err(|error| Failure::incompatible(error.to_string()))?;
+    let arm = arm(arguments, &ready.task, &registry)?;
+    let options = RunOptions {
+        goals: goals.iter().map(|&state| GoalPlan { state, policy: 0 }).collect(),
+        shield: (!arguments.no_shield).then_some(ready.task.policy.shield),
+        max_steps: arguments.max_steps,
+        lockstep: arguments.lockstep,
+        seed: arguments.seed,
+        interrupt,
+    };
+    let bar = status_line();
+    let mut watch = |status: &Status| bar.set_message(status_text(&ready.task, &goals, status));
+    let report = pubs_run::run(&ready.task, arm, Arc::clone(&ready.model), vec![policy], &options, &mut watch);
+    bar.finish_and_clear();
+    let report = report.map_err(|error| Failure::invalid(error.to_string()))?;
+    if let Some(reason) = &report.reason {
+        show::say(&format!("stopped: {reason}"));
+    }
+    if arguments.json {
+        show::print_json(&report)?;
+    } else {
+        show::print(&summary(&ready.task.joint, &report))?;
+    }
+    Ok(code(&report))
+}
+
+fn overrides(arguments: &Arguments) -> pubs_core::object::Overrides {
+    let driver = arguments.driver.iter().map(|name| format!("driver.plugin={name}"));
+    pubs_core::object::Overrides::from_process(arguments.object.layers.set.iter().cloned().chain(driver))
+}
+
+fn code(report: &RunReport) -> u8 {
+    let code = |outcome: Outcome| match outcome {
+        Outcome::Reached => exit::DONE,
+        Outcome::Missed | Outcome::TimedOut => exit::MISSED,
+        Outcome::SafetyStop => exit::SAFETY_STOP,
+        Outcome::Fault => exit::FAULT,
+    };
+    match code(report.outcome) {
+        exit::DONE => report.goals.iter().map(|goal| code(goal.outcome)).max().unwrap_or(exit::DONE),
+        other => other,
+    }
+}
+
+fn policy(
+    arguments: &Arguments,
+    ready: &Ready,
+    goals: &[f64],
+    runtime: &Runtime,
+    interrupt: &AtomicBool,
+) -> Result<PolicyFile, Failure> {
+    let wanted: Vec<Option<f64>> = goals.iter().copied().map(Some).collect();
+    let foreign = (!arguments.inputs.is_empty()).then_some(arguments.inputs.as_slice());
+    match &arguments.policy {
+        Some(path) => policies::named(path, foreign, &ready.task, &wanted),
+        None => {
+            let folder = arguments.policies.clone().unwrap_or_else(|| policies::folder_of(&arguments.object.object));
+            policies::found_or_trained(ready, &folder, &wanted, runtime, interrupt)
+        }
+    }
+}
+
+fn arm(arguments: &Arguments, task: &Task, registry: &Registry) -> Result<Box<dyn Arm>, Failure> {
+    let (Some(driver), Some(setup)) = (&task.driver, task.driver_setup(stream(arguments.seed, "driver"))) else {
+        return Err(Failure::invalid(format!(
+            "object `{}` has no [driver]: add one, or name a driver with --driver",
+            task.name
+        )));
+    };
+    let arm = registry.driver(&driver.plugin)?.open(&setup)?;
+    if arguments.lockstep && !arm.has_virtual_time() {
+        return Err(Failure::invalid(format!(
+            "driver `{}` lives in real time and cannot run in lockstep; leave out --lockstep",
+            driver.plugin
+        )));
+    }
+    match &task.sensor {
+        Some(sensor) if sensor != arm.sensor() && !arguments.accept_sensor => Err(Failure::incompatible(format!(
+            "the object's numbers were taken with the force sensor `{sensor}`, driver `{}` has `{}`: forces may differ \
+             by scale and offset; calibrate with this sensor, or run with --accept-sensor",
+            driver.plugin,
+            arm.sensor()
+        ))),
+        Some(sensor) if sensor != arm.sensor() => {
+            show::say(&format!("warning: sensor `{}` accepted in place of `{sensor}`", arm.sensor()));
+            Ok(Box::new(arm))
+        }
+        _ => Ok(Box::new(arm)),
+    }
+}
+
+fn status_line() -> ProgressBar {
+    let bar = ProgressBar::new_spinner();
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}") {
+        bar.set_style(style);
+    }
+    bar.enable_steady_tick(std::time::Duration::from_millis(200));
+    bar
+}
+
+fn status_text(task: &Task, goals: &[f64], status: &Status) -> String {
+    format!(
+        "{:5.1} s  believed {} of goal {}  entropy {:.2}  {}  step {}",
+        status.time_s,
+        task.joint.display(status.summary.mean),
+        task.joint.display(goals[status.goal.min(goals.len() - 1)]),
+        status.summary.entropy,
+        task.actions[status.action].name,
+        status.steps,
+    )
+}
+
+fn summary(joint: &Joint, report: &RunReport) -> String {
+    let mut text = String::new();
+    for goal in &report.goals {
+        text += &goal_text(joint, goal);
+    }
+    let violations = report.safety_violations.map_or_else(|| "unknown".to_owned(), |count| count.to_string());
+    text += &format!(
+        "{}: {} in {:.1} s, {} policy steps; safety violations {violations}, guard stops {}, belief recoveries {}\n",
+        report.object,
+        outcome_word(report.outcome),
+        report.time_s,
+        report.policy_steps,
+        report.guard_stops,
+        report.recoveries,
+    );
+    let loops = [("controller", report.lateness.controller), ("filter", report.lateness.filter), ("policy", report.lateness.policy)];
+    for (name, late) in loops {
+        text += &format!(
+            "{name:<10} late by p50 {} µs, p99 {} µs, max {} µs; {} deadlines missed\n",
+            late.p50_us, late.p99_us, late.max_us, late.missed
+        );
+    }
+    text.trim_end().to_owned()
+}
+
+fn goal_text(joint: &Joint, goal: &GoalReport) -> String {
+    let used: Vec<String> =
+        goal.actions.iter().filter(|&(_, &count)| count > 0).map(|(name, count)| format!("{name} {count}")).collect();
+    let truth = match (goal.true_state, goal.goal_error) {
+        (Some(state), Some(error)) => format!("truly at {}, {} from the goal", joint.display(state), joint.display(error)),
+        _ => "judged by the belief; nobody knows the true state".to_owned(),
+    };
+    format!(
+        "goal {}: {} in {:.1} s, believed at {} (entropy {:.2}), {truth}\n  actions: {}\n",
+        joint.display(goal.goal),
+        outcome_word(goal.outcome),
+        goal.time_s,
+        joint.display(goal.belief.mean),
+        goal.belief.entropy,
+        used.join(", "),
+    )
+}
+
+fn outcome_word(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Reached => "reached",
+        Outcome::Missed => "missed",
+        Outcome::TimedOut => "timed out",
+        Outcome::SafetyStop => "stopped for safety",
+        Outcome::Fault => "failed",
+    }
+}

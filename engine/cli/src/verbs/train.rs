@@ -1,0 +1,175 @@
+//! `pubs-engine train`: a policy for an object.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clap::Args;
+use pubs_core::goal::fraction_label;
+use pubs_evaluate::{Evaluation, TrainingPlan};
+use pubs_policy::Existing;
+use pubs_train::Recipe;
+use pubs_train::surrogate::Goals;
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::options::{ObjectOptions, RuntimeOptions};
+use crate::policies::{self, MAX_STEPS, TRIALS};
+use crate::training::TrainingResult;
+use crate::verbs::evaluate::parse_goal;
+use crate::{Ended, built_in, exit, object, show, training};
+
+#[derive(Args)]
+#[command(after_help = "Examples: pubs-engine train objects/door2.toml
+          pubs-engine train objects/door2.toml --goal 0.5 --recipe paper --seeds 5")]
+pub struct Arguments {
+    #[command(flatten)]
+    object: ObjectOptions,
+    /// Train for this goal alone, as the paper [default: one policy for every goal]
+    #[arg(long, value_name = "GOAL")]
+    goal: Option<String>,
+    /// Settings of PPO: `standard`, or `paper` for the paper's
+    #[arg(long, default_value = "standard", value_name = "NAME")]
+    recipe: String,
+    /// Steps of the surrogate to learn from [default: the recipe's, 500000]
+    #[arg(long)]
+    steps: Option<usize>,
+    /// Train so many seeds and keep the best
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    seeds: u64,
+    /// First of the seeds
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Trials on which seeds are compared
+    #[arg(long, default_value_t = TRIALS, value_parser = clap::value_parser!(u64).range(1..))]
+    trials: u64,
+    /// Leave high-force actions unmasked in trials, as the paper
+    #[arg(long)]
+    no_shield: bool,
+    /// Write the policy here [default: policies/<object>.onnx, or <object>-<goal>.onnx]
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Replace a policy file that differs
+    #[arg(long)]
+    overwrite: bool,
+    /// Trainings at once [default: one per core]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    #[command(flatten)]
+    runtime: RuntimeOptions,
+    /// One JSON object on stdout
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Serialize)]
+struct Report {
+    policy: PathBuf,
+    object: String,
+    goal: String,
+    recipe: &'static str,
+    steps: usize,
+    steps_per_s: f64,
+    time_s: f64,
+    seeds: Vec<SeedReport>,
+    best: u64,
+    evaluation: Evaluation,
+}
+
+#[derive(Serialize)]
+struct SeedReport {
+    seed: u64,
+    time_s: f64,
+    steps_per_s: f64,
+    learning_s: f64,
+    evaluation: Evaluation,
+}
+
+pub fn run(arguments: &Arguments) -> Ended {
+    let registry = built_in::registry(&arguments.object.layers.plugin_dirs);
+    let ready = object::ready(&arguments.object.object, &arguments.object.layers.overrides(), &registry, arguments.seed)?;
+    let runtime = arguments.runtime.runtime()?;
+    let joint = &ready.task.joint;
+    let goal = match &arguments.goal {
+        None => None,
+        Some(text) => Some(parse_goal(text, joint)?),
+    };
+    let mut recipe: Recipe = arguments.recipe.parse().map_err(|error: pubs_train::UnknownRecipe| Failure::invalid(error.to_string()))?;
+    recipe.steps = arguments.steps.unwrap_or(recipe.steps);
+    let label = goal.map(|state| fraction_label(joint, state));
+    let path = arguments.output.clone().unwrap_or_else(|| {
+        let suffix = label.as_ref().map_or_else(String::new, |label| format!("-{label}"));
+        policies::folder_of(&arguments.object.object).join(format!("{}{suffix}.onnx", ready.task.name))
+    });
+    let plan = TrainingPlan {
+        recipe,
+        goals: goal.map_or(Goals::Every, Goals::One),
+        seeds: (arguments.seed..arguments.seed + arguments.seeds).collect(),
+        trials: arguments.trials,
+        max_steps: MAX_STEPS,
+        shield: (!arguments.no_shield).then_some(ready.task.policy.shield),
+        threads: arguments.threads.map(usize::from),
+    };
+    let existing = if arguments.overwrite { Existing::Replace } else { Existing::Keep };
+    let result = training::train(&ready, &plan, &path, existing, &runtime, &interruptible()?)?;
+    let report = report(&ready.task.name, label, &plan, path, result);
+    if arguments.json {
+        show::print_json(&report)?;
+    } else {
+        show::print(&text(&report))?;
+    }
+    Ok(exit::DONE)
+}
+
+/// Set by Ctrl-C; a training then ends before its next update.
+fn interruptible() -> Result<Arc<AtomicBool>, Failure> {
+    let flag = Arc::new(AtomicBool::new(false));
+    let handler = Arc::clone(&flag);
+    ctrlc::set_handler(move || handler.store(true, Ordering::Release)).map_err(|error| Failure::fault(&error))?;
+    Ok(flag)
+}
+
+fn report(object: &str, label: Option<String>, plan: &TrainingPlan, policy: PathBuf, result: TrainingResult) -> Report {
+    let seed_report = |candidate: &pubs_evaluate::Candidate| SeedReport {
+        seed: candidate.seed,
+        time_s: candidate.time_s,
+        steps_per_s: candidate.steps as f64 / candidate.time_s,
+        learning_s: candidate.learning_s,
+        evaluation: candidate.evaluation.clone(),
+    };
+    let best = &result.candidates[result.best];
+    Report {
+        policy,
+        object: object.to_owned(),
+        goal: label.unwrap_or_else(|| "every".to_owned()),
+        recipe: plan.recipe.name,
+        steps: best.steps,
+        steps_per_s: best.steps as f64 / best.time_s,
+        time_s: result.candidates.iter().map(|candidate| candidate.time_s).sum(),
+        seeds: result.candidates.iter().map(seed_report).collect(),
+        best: best.seed,
+        evaluation: result.evaluation,
+    }
+}
+
+fn text(report: &Report) -> String {
+    let mut text = format!("{}: goal {}, recipe {}, {} steps\n", report.object, report.goal, report.recipe, report.steps);
+    for seed in &report.seeds {
+        let kept = if seed.seed == report.best { "  <- kept" } else { "" };
+        text += &format!("  seed {:<3} {:>8.0} steps/s  {}{kept}\n", seed.seed, seed.steps_per_s, line(&seed.evaluation));
+    }
+    text += &format!("  fresh trials              {}\n", line(&report.evaluation));
+    text + &format!("policy: {}", report.policy.display())
+}
+
+fn line(evaluation: &Evaluation) -> String {
+    format!(
+        "discounted {:.3} ± {:.3}, success {:.2} %, violations {}, time-outs {} in {} trials",
+        evaluation.mean_discounted_reward,
+        evaluation.mean_discounted_reward_se,
+        100.0 * evaluation.success_rate,
+        evaluation.safety_violations,
+        evaluation.time_outs,
+        evaluation.trials,
+    )
+}

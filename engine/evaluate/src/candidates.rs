@@ -1,0 +1,331 @@
+//! Training with several seeds, and keeping the best.
+//!
+//! One seed in some twenty collapses to never stopping, so a policy is the best of several,
+//! chosen on common trials and then judged on fresh ones: choosing and judging on the same trials
+//! would flatter it.
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use pubs_core::belief::{BeliefError, Model};
+use pubs_core::seed::stream;
+use pubs_core::shield::Shield;
+use pubs_core::vector::VectorUnit;
+use pubs_core::{Joint, Task};
+use pubs_policy::{Contract, Dense, Expected, ExportError, Feature, FeatureName, Network, Runtime};
+use pubs_train::surrogate::{Goals, SurrogateEnvironments, TrainingOptions};
+use pubs_train::{InputScaling, Progress, Recipe, Settings, TrainError, Trained};
+
+use crate::evaluation::{EvaluateError, Evaluation, EvaluationOptions, GoalChoice, evaluate};
+
+/// Successful stops before episodes start anywhere, §IV-A.3.
+const CURRICULUM: u32 = 50;
+
+/// Inputs on which the written file is compared with the trainer's network.
+const PROBES: usize = 1000;
+
+/// What to train.
+#[derive(Debug, Clone)]
+pub struct TrainingPlan {
+    /// PPO's settings.
+    pub recipe: Recipe,
+    /// One goal or every one.
+    pub goals: Goals,
+    /// Seeds, one training each.
+    pub seeds: Vec<u64>,
+    /// Trials on which seeds are compared, and as many fresh ones for the figures.
+    pub trials: u64,
+    /// Cap on policy steps in trials.
+    pub max_steps: u32,
+    /// Mask of high-force actions in trials.
+    pub shield: Option<Shield>,
+    /// Trainings at once; `None`: one per core.
+    pub threads: Option<usize>,
+}
+
+/// One seed's training.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// Its seed.
+    pub seed: u64,
+    /// Steps done.
+    pub steps: usize,
+    /// Time of its training, s.
+    pub time_s: f64,
+    /// Share of that spent on gradient steps.
+    pub learning_s: f64,
+    /// Its figures on the common trials.
+    pub evaluation: Evaluation,
+    network: Network,
+}
+
+/// Why no policy came out.
+#[derive(Debug, thiserror::Error)]
+pub enum TrainBestError {
+    /// A training failed.
+    #[error("training with seed {seed} failed: {source}")]
+    Train {
+        /// Which.
+        seed: u64,
+        /// Why.
+        source: TrainError<BeliefError>,
+    },
+    /// A candidate could not be evaluated.
+    #[error("the policy of seed {seed} cannot be evaluated: {source}")]
+    Evaluate {
+        /// Which.
+        seed: u64,
+        /// Why.
+        source: EvaluateError,
+    },
+    /// A file could not be written.
+    #[error(transparent)]
+    Export(#[from] ExportError),
+    /// No room for candidates.
+    #[error("cannot make a temporary folder: {0}")]
+    Temporary(std::io::Error),
+    /// No seeds.
+    #[error("there is no seed to train with")]
+    NoSeed,
+}
+
+/// Trains with every seed, chooses the best by mean discounted reward on common trials, judges it
+/// on fresh ones and writes it to `path`. All candidates, in the order of their seeds, the index
+/// of the best, and its fresh figures. `report` hears of the seed by index and may cancel.
+///
+/// # Errors
+/// [`TrainBestError`]; nothing is written then.
+pub fn train_best(
+    task: &Arc<Task>,
+    model: &Arc<dyn Model>,
+    plan: &TrainingPlan,
+    path: &Path,
+    existing: pubs_policy::Existing,
+    runtime: &Runtime,
+    report: &(dyn Fn(usize, &Progress) -> ControlFlow<()> + Sync),
+) -> Result<(Vec<Candidate>, usize, Evaluation), TrainBestError> {
+    let folder = tempfile::tempdir().map_err(TrainBestError::Temporary)?;
+    let trained = train_all(task, model, plan, report);
+    let mut candidates = Vec::new();
+    for (seed, result) in plan.seeds.iter().copied().zip(trained) {
+        let trained = result.map_err(|source| TrainBestError::Train { seed, source })?;
+        let network = network_of(task, plan.goals, &trained);
+        let draft = folder.path().join(format!("{seed}.onnx"));
+        let contract = contract_of(task, plan, seed, trained.progress.steps, 0.0, &network);
+        let evaluation = judge(task, model, plan, &network, &contract, &draft, runtime, "selection")?;
+        candidates.push(Candidate {
+            seed,
+            steps: trained.progress.steps,
+            time_s: trained.progress.time_s,
+            learning_s: trained.learning_s,
+            evaluation,
+            network,
+        });
+    }
+    let score = |index: &usize| candidates[*index].evaluation.mean_discounted_reward;
+    let best = (0..candidates.len()).max_by(|one, other| score(one).total_cmp(&score(other)));
+    let best = best.ok_or(TrainBestError::NoSeed)?;
+    let chosen = &candidates[best];
+    let draft = folder.path().join("best.onnx");
+    let contract = contract_of(task, plan, chosen.seed, chosen.steps, 0.0, &chosen.network);
+    let fresh = judge(task, model, plan, &chosen.network, &contract, &draft, runtime, "report")?;
+    let contract = contract_of(task, plan, chosen.seed, chosen.steps, fresh.mean_reward, &chosen.network);
+    write(&chosen.network, &contract, path, existing, runtime, &task.joint)?;
+    Ok((candidates, best, fresh))
+}
+
+/// All trainings, a few at a time, in the order of the seeds.
+fn train_all(
+    task: &Arc<Task>,
+    model: &Arc<dyn Model>,
+    plan: &TrainingPlan,
+    report: &(dyn Fn(usize, &Progress) -> ControlFlow<()> + Sync),
+) -> Vec<Result<Trained, TrainError<BeliefError>>> {
+    let next = AtomicUsize::new(0);
+    let results = Mutex::new(Vec::new());
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = plan.threads.unwrap_or(cores).clamp(1, plan.seeds.len().max(1));
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                loop {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(&seed) = plan.seeds.get(index) else { break };
+                    let result = train_one(task, model, plan, seed, &|progress| report(index, progress));
+                    results.lock().unwrap_or_else(PoisonError::into_inner).push((index, result));
+                }
+            });
+        }
+    });
+    let mut results = results.into_inner().unwrap_or_else(PoisonError::into_inner);
+    results.sort_by_key(|&(index, _)| index);
+    results.into_iter().map(|(_, result)| result).collect()
+}
+
+fn train_one(
+    task: &Arc<Task>,
+    model: &Arc<dyn Model>,
+    plan: &TrainingPlan,
+    seed: u64,
+    report: &dyn Fn(&Progress) -> ControlFlow<()>,
+) -> Result<Trained, TrainError<BeliefError>> {
+    let options = TrainingOptions {
+        goals: plan.goals,
+        count: plan.recipe.environments,
+        curriculum: CURRICULUM,
+        episode_cap: plan.recipe.episode_cap,
+        shield: None,
+        seed: stream(seed, "environments"),
+    };
+    let mut environments = SurrogateEnvironments::new(Arc::clone(task), model, options);
+    let settings = Settings {
+        recipe: plan.recipe.clone(),
+        layers: task.policy.layers.clone(),
+        scaling: scaling(&task.joint, plan.goals, &plan.recipe),
+        discount: task.reward.discount as f32,
+        seed,
+        unit: VectorUnit::detect(),
+    };
+    pubs_train::train(&mut environments, &settings, report)
+}
+
+/// Entropy is in [0, 1] already; mean − goal is measured in halves of the range, whatever range
+/// the mean is scaled to.
+fn scaling(joint: &Joint, goals: Goals, recipe: &Recipe) -> InputScaling {
+    let (offset, scale) = recipe.input_range.of_limits(joint.lower as f32, joint.upper as f32);
+    let offsets = [offset, 0.0, 0.0];
+    let scales = [scale, 1.0, 2.0 / joint.range() as f32];
+    let features = goals.features();
+    InputScaling { offset: offsets[..features].to_vec(), scale: scales[..features].to_vec() }
+}
+
+fn network_of(task: &Task, goals: Goals, trained: &Trained) -> Network {
+    let joint = &task.joint;
+    let (scaling, layers) = (trained.policy.scaling(), trained.policy.layers());
+    let names = [
+        (FeatureName::MeanState, joint.unit(), joint.lower, joint.upper),
+        (FeatureName::Entropy, "1", 0.0, 1.0),
+        (FeatureName::MeanMinusGoal, joint.unit(), -joint.range(), joint.range()),
+    ];
+    let inputs = names[..goals.features()].iter().enumerate().map(|(index, &(name, unit, lower, upper))| Feature {
+        name,
+        unit: unit.to_owned(),
+        lower,
+        upper,
+        offset: f64::from(scaling.offset[index]),
+        scale: f64::from(scaling.scale[index]),
+    });
+    let layers = layers.iter().map(|layer| Dense {
+        inputs: layer.inputs,
+        outputs: layer.outputs,
+        weights: layer.weights.clone(),
+        bias: layer.bias.clone(),
+    });
+    Network { inputs: inputs.collect(), layers: layers.collect() }
+}
+
+/// The contract of a policy that `plan` trained on `task`.
+pub fn contract_of(
+    task: &Task,
+    plan: &TrainingPlan,
+    seed: u64,
+    steps: usize,
+    evaluation_reward: f64,
+    network: &Network,
+) -> Contract {
+    let ingredients = task.policy_ingredients();
+    Contract {
+        format_version: pubs_policy::FORMAT_VERSION,
+        object: task.name.clone(),
+        task_hash: pubs_policy::task_hash(&ingredients),
+        task: pubs_policy::canonical_json(&ingredients),
+        observation_hash: task.observation_hash(),
+        goal: match plan.goals {
+            Goals::Every => pubs_policy::Goal::Every,
+            Goals::One(value) => {
+                pubs_policy::Goal::Fixed { value, fraction: (value - task.joint.lower) / task.joint.range() }
+            }
+        },
+        tolerance: task.reward.goal_tolerance,
+        inputs: network.inputs.clone(),
+        actions: task.actions.iter().map(|action| action.name.clone()).collect(),
+        shield: plan.shield.map(|shield| pubs_policy::Shield { mass: shield.mass, flattening: shield.flattening }),
+        discount: task.reward.discount,
+        policy_rate_hz: task.policy.rate_hz,
+        seed,
+        steps: steps as u64,
+        recipe: plan.recipe.name.to_owned(),
+        evaluation_reward,
+        engine_version: env!("CARGO_PKG_VERSION").to_owned(),
+    }
+}
+
+/// What `task` asks of a policy, for this goal state or for any.
+pub fn expected_of(task: &Task, goal: Option<f64>) -> Expected {
+    Expected {
+        task: task.policy_ingredients(),
+        observation_hash: task.observation_hash(),
+        actions: task.actions.iter().map(|action| action.name.clone()).collect(),
+        goal,
+    }
+}
+
+#[expect(clippy::too_many_arguments, reason = "each is one thing, and only this file calls it")]
+fn judge(
+    task: &Arc<Task>,
+    model: &Arc<dyn Model>,
+    plan: &TrainingPlan,
+    network: &Network,
+    contract: &Contract,
+    draft: &PathBuf,
+    runtime: &Runtime,
+    trials: &str,
+) -> Result<Evaluation, TrainBestError> {
+    let file = write(network, contract, draft, pubs_policy::Existing::Replace, runtime, &task.joint)?;
+    let options = EvaluationOptions {
+        trials: plan.trials,
+        goal: match plan.goals {
+            Goals::One(state) => GoalChoice::One(state),
+            Goals::Every => GoalChoice::Drawn,
+        },
+        max_steps: plan.max_steps,
+        shield: plan.shield,
+        seed: stream(0, trials),
+        threads: plan.threads,
+    };
+    evaluate(task, model, &file, runtime, &options)
+        .map_err(|source| TrainBestError::Evaluate { seed: contract.seed, source })
+}
+
+fn write(
+    network: &Network,
+    contract: &Contract,
+    path: &Path,
+    existing: pubs_policy::Existing,
+    runtime: &Runtime,
+    joint: &Joint,
+) -> Result<pubs_policy::PolicyFile, ExportError> {
+    let inputs = probes(joint, network.inputs.len());
+    let mut logits = vec![0.0; PROBES * network.actions()];
+    for (row, out) in inputs.chunks_exact(network.inputs.len()).zip(logits.chunks_exact_mut(network.actions())) {
+        network.forward(row, out);
+    }
+    let reference = pubs_policy::Reference { inputs: &inputs, logits: &logits };
+    pubs_policy::write(path, network, contract, reference, runtime, existing)
+}
+
+/// Inputs spread over the limits, entropies and goals (additive recurrences of the golden ratio
+/// and its kin, which fill a cube evenly).
+fn probes(joint: &Joint, features: usize) -> Vec<f32> {
+    let share = |index: usize, step: f64| (index as f64 * step).fract();
+    (0..PROBES)
+        .flat_map(|index| {
+            let mean = joint.at_fraction(share(index, 0.819_172_513));
+            let goal = joint.at_fraction(share(index, 0.549_700_478));
+            [mean as f32, share(index, 0.671_043_606) as f32, (mean - goal) as f32].into_iter().take(features)
+        })
+        .collect()
+}

@@ -1,0 +1,158 @@
+//! The controller loop: reads the driver, commands a velocity, eq. (12) and (13).
+
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+use pubs_core::Task;
+use pubs_core::controller::{self, Control};
+use pubs_core::joint::{Direction, Path, Pose};
+use pubs_plugin::Reading;
+
+use crate::guard::{COMMAND_PERIODS, Guard, Trip};
+use crate::messages::{Order, Sample, Signals};
+
+/// Filter and policy may be silent for so many of their periods.
+const SILENT_PERIODS: f64 = 5.0;
+
+/// The arm counts as moving as asked within this share of the asked speed.
+const SETTLED_SHARE: f64 = 0.1;
+
+/// State of the loop between two ticks.
+pub struct ControlLoop {
+    task: Arc<Task>,
+    control: Control,
+    guard: Guard,
+    signals: Signals,
+    path: Option<(Path, Pose)>,
+    speed_m_s: f64,
+    last_step_ns: Option<u64>,
+    first_step_ns: u64,
+}
+
+/// Where a tick left the loop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tick {
+    /// Go on.
+    Going,
+    /// The arm rests and the loop is done.
+    AtRest,
+}
+
+impl ControlLoop {
+    /// A loop around a guarded arm.
+    pub fn new(task: Arc<Task>, control: Control, guard: Guard, signals: Signals) -> Self {
+        Self {
+            task,
+            control,
+            guard,
+            signals,
+            path: None,
+            speed_m_s: 0.0,
+            last_step_ns: None,
+            first_step_ns: 0,
+        }
+    }
+
+    /// The guard, for its verdict.
+    pub fn guard(&mut self) -> &mut Guard {
+        &mut self.guard
+    }
+
+    /// One tick: the newest sample, and whether to go on.
+    pub fn step(&mut self, now_ns: u64, order: &Order, interrupted: bool) -> (Option<Sample>, Tick) {
+        self.supervise(now_ns, order, interrupted);
+        let path = self.path.as_ref().map(|(path, _)| path);
+        let reading = self.guard.read(now_ns, path, self.speed_m_s);
+        self.signals.set_truth(self.guard.truth());
+        if self.guard.tripped().is_some() {
+            self.signals.trip();
+        }
+        let sample = reading.map(|reading| self.advance(&reading, order, now_ns));
+        if sample.is_none() {
+            self.ramp_down_blind(now_ns);
+        }
+        self.signals.controller_lives(now_ns);
+        self.last_step_ns = Some(now_ns);
+        let over = self.is_stopping() && self.speed_m_s == 0.0;
+        if over {
+            self.guard.stop();
+        }
+        (sample, if over { Tick::AtRest } else { Tick::Going })
+    }
+
+    fn is_stopping(&self) -> bool {
+        self.guard.tripped().is_some() || self.signals.is_finished()
+    }
+
+    /// What no reading can show: that this loop or another is late, or that somebody calls halt.
+    fn supervise(&mut self, now_ns: u64, order: &Order, interrupted: bool) {
+        if interrupted {
+            self.guard.trip(Trip::Interrupted);
+        }
+        let Some(last_ns) = self.last_step_ns else {
+            self.first_step_ns = now_ns;
+            return;
+        };
+        let seconds = |from_ns: u64| now_ns.saturating_sub(from_ns) as f64 * 1e-9;
+        let late_s = seconds(last_ns) - 1.0 / self.control.rate_hz;
+        if late_s > COMMAND_PERIODS / self.control.rate_hz && self.speed_m_s != 0.0 {
+            self.guard.trip(Trip::Late { late_s });
+        }
+        let alive = [
+            ("policy", order.time_ns, self.task.policy.rate_hz),
+            ("filter", self.signals.filter_alive_ns(), self.task.belief.rate_hz),
+        ];
+        for (name, alive_ns, rate_hz) in alive {
+            let silent_s = seconds(alive_ns.max(self.first_step_ns));
+            if silent_s > SILENT_PERIODS / rate_hz && !self.signals.is_finished() {
+                self.guard.trip(Trip::Silent { name, silent_s });
+            }
+        }
+    }
+
+    fn advance(&mut self, reading: &Reading, order: &Order, now_ns: u64) -> Sample {
+        let pose = Pose::new(reading.position_m, reading.orientation_xyzw);
+        if self.path.is_none() {
+            self.path = Path::at_grasp(&self.task.joint, &pose).map(|path| (path, pose));
+        }
+        let Some((path, last_pose)) = &mut self.path else {
+            return Sample::default();
+        };
+        *last_pose = pose;
+        let path = path.clone();
+        let index = if order.valid { order.action } else { self.task.stop };
+        let action = &self.task.actions[index];
+        let force_along_n = controller::force_along(&path, &pose, action, reading.force_n);
+        let stopping = self.guard.tripped().is_some() || self.signals.is_finished();
+        let wanted = if stopping { 0.0 } else { self.control.speed(action, force_along_n) };
+        let moved_as_asked = !action.is_stop() && is_settled(self.speed_m_s, wanted);
+        self.speed_m_s = self.control.ramp(self.speed_m_s, wanted);
+        self.guard.command(&path, &pose, self.speed_m_s, now_ns);
+
+        let direction = if action.is_stop() { Direction::Opening } else { Direction::of(action.sign()) };
+        let force = pose.orientation * Vector3::from(reading.force_n);
+        Sample {
+            time_ns: reading.time_ns,
+            action: index,
+            displacement: path.displacement(&pose),
+            forces_n: path.frame(&pose, direction).decompose(&force),
+            settled: moved_as_asked,
+            speed_m_s: self.speed_m_s,
+            valid: true,
+        }
+    }
+
+    /// Without a reading the last known pose must do; the guard has tripped.
+    fn ramp_down_blind(&mut self, now_ns: u64) {
+        self.speed_m_s = self.control.ramp(self.speed_m_s, 0.0);
+        match &self.path {
+            Some((path, pose)) => self.guard.command(&path.clone(), &pose.clone(), self.speed_m_s, now_ns),
+            None => self.guard.stop(),
+        }
+    }
+}
+
+/// Whether the speed is the wanted one already: then nothing accelerates.
+fn is_settled(speed_m_s: f64, wanted_m_s: f64) -> bool {
+    (speed_m_s - wanted_m_s).abs() <= SETTLED_SHARE * wanted_m_s.abs().max(1e-6)
+}

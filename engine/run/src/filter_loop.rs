@@ -1,0 +1,95 @@
+//! The filter loop: follows the handle with the belief, eq. (6)–(10).
+
+use std::sync::Arc;
+
+use pubs_core::Task;
+use pubs_core::belief::{BeliefError, Filter, Update};
+use pubs_core::observation::ArmObservation;
+use pubs_core::shield::{self, Shield};
+
+use crate::messages::{BeliefMessage, Sample, Signals};
+
+/// State of the loop between two ticks.
+pub struct FilterLoop {
+    task: Arc<Task>,
+    filter: Filter,
+    channels: Vec<String>,
+    shield: Option<Shield>,
+    signals: Signals,
+    previous: Option<Sample>,
+    observation: Vec<f32>,
+    allowed: Vec<bool>,
+}
+
+impl FilterLoop {
+    /// A loop around a filter; `channels` are its model's.
+    pub fn new(
+        task: Arc<Task>,
+        filter: Filter,
+        channels: Vec<String>,
+        shield: Option<Shield>,
+        signals: Signals,
+    ) -> Self {
+        Self {
+            observation: vec![0.0; channels.len()],
+            allowed: vec![true; task.actions.len()],
+            task,
+            filter,
+            channels,
+            shield,
+            signals,
+            previous: None,
+        }
+    }
+
+    /// The belief.
+    pub fn filter(&self) -> &Filter {
+        &self.filter
+    }
+
+    /// One tick with the newest sample.
+    ///
+    /// # Errors
+    /// Where the belief cannot explain what is felt; the arm must stop.
+    pub fn step(&mut self, now_ns: u64, sample: &Sample) -> Result<BeliefMessage, BeliefError> {
+        if sample.valid {
+            self.follow(sample)?;
+        }
+        self.signals.filter_lives(now_ns);
+        shield::allowed(self.shield.as_ref(), &self.task, &self.filter, &mut self.allowed);
+        let bits = self.allowed.iter().enumerate().fold(0, |bits, (index, &allowed)| bits | (u64::from(allowed) << index));
+        Ok(BeliefMessage {
+            time_ns: now_ns,
+            summary: self.filter.summary(),
+            allowed: bits,
+            recoveries: self.filter.recoveries(),
+            speed_m_s: sample.speed_m_s,
+            valid: sample.valid,
+        })
+    }
+
+    fn follow(&mut self, sample: &Sample) -> Result<(), BeliefError> {
+        let Some(previous) = self.previous.replace(*sample) else {
+            return Ok(());
+        };
+        let displacement = sample.displacement - previous.displacement;
+        // Between two actions, and while the arm speeds up or turns round, the forces are not
+        // those that the model describes; the motion counts all the same.
+        if !(sample.settled && previous.settled && sample.action == previous.action) {
+            self.filter.follow(displacement);
+            return Ok(());
+        }
+        let threshold = self.task.joint.geometry().map_or(0.0, |geometry| geometry.motion_threshold_m);
+        let moved = displacement.abs() / self.task.joint.per_metre() > threshold;
+        let [f_d, f_z, f_n] = sample.forces_n;
+        let observation = ArmObservation { f_d, f_z, f_n, moved };
+        for (value, name) in self.observation.iter_mut().zip(&self.channels) {
+            // Names were checked when the run was set up; a channel no arm has reads NaN, which
+            // the filter refuses.
+            *value = observation.channel(name).unwrap_or(f32::NAN);
+        }
+        match self.filter.update(sample.action, displacement, &self.observation)? {
+            Update::Weighed | Update::Recovered(_) => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Setting up a run and summing it up.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use pubs_core::Task;
+use pubs_core::belief::{Filter, Model};
+use pubs_core::observation::ARM_CHANNELS;
+use pubs_core::shield::Shield;
+use pubs_policy::Policy;
+
+use crate::arm::Arm;
+use crate::control_loop::ControlLoop;
+use crate::filter_loop::FilterLoop;
+use crate::guard::{Guard, Trip};
+use crate::messages::{Signals, Status};
+use crate::policy_loop::PolicyLoop;
+use crate::report::{LatenessReport, Outcome, RunReport};
+use crate::{live, lockstep};
+
+/// One goal and which of the policies serves it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GoalPlan {
+    /// s_g (rad or m).
+    pub state: f64,
+    /// Index into the policies.
+    pub policy: usize,
+}
+
+/// How to run.
+#[derive(Clone)]
+pub struct RunOptions {
+    /// Goals, reached one after the other with one belief.
+    pub goals: Vec<GoalPlan>,
+    /// Mask of high-force actions; `None` is the paper's way.
+    pub shield: Option<Shield>,
+    /// Policy steps allowed for each goal.
+    pub max_steps: u32,
+    /// On a virtual clock instead of in real time.
+    pub lockstep: bool,
+    /// Seed, for the report; driver and model were made with streams of it.
+    pub seed: u64,
+    /// Set from outside to stop.
+    pub interrupt: Arc<AtomicBool>,
+}
+
+/// Why a run could not begin.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum RunError {
+    /// An abstract object.
+    #[error("object `{0}` has an abstract joint; no robot can move it, `evaluate` runs it")]
+    Abstract(String),
+    /// No goals.
+    #[error("there is no goal to reach")]
+    NoGoal,
+    /// The model observes what no arm gives.
+    #[error("the observation model has a channel `{channel}`; an arm gives {}", ARM_CHANNELS.join(", "))]
+    Channel {
+        /// Its name.
+        channel: String,
+    },
+    /// A policy with the wrong number of actions or inputs.
+    #[error("a policy has {inputs} inputs and {outputs} actions; this object needs 2 or 3 and {actions}")]
+    PolicyShape {
+        /// Inputs of the policy.
+        inputs: usize,
+        /// Outputs of the policy.
+        outputs: usize,
+        /// Actions of the object.
+        actions: usize,
+    },
+}
+
+/// The three loops, wired to each other by whoever runs them.
+pub(crate) struct Loops {
+    pub controller: ControlLoop,
+    pub filter: FilterLoop,
+    pub policy: PolicyLoop,
+    pub signals: Signals,
+    pub rates_hz: [f64; 3],
+    pub interrupt: Arc<AtomicBool>,
+}
+
+/// What is left when the arm rests.
+pub(crate) struct Finished {
+    pub policy: PolicyLoop,
+    pub trip: Option<Trip>,
+    pub recoveries: u32,
+    pub time_s: f64,
+    pub end_ns: u64,
+    pub lateness: LatenessReport,
+    pub real_time: bool,
+}
+
+/// Runs to the last goal, or to a stop. `watch` is called a few times per second, from another
+/// thread than the loops (in lockstep: at each policy step).
+///
+/// # Errors
+/// [`RunError`] before anything moves; later trouble is in the report.
+pub fn run(
+    task: &Arc<Task>,
+    arm: Box<dyn Arm>,
+    model: Arc<dyn Model>,
+    policies: Vec<Policy>,
+    options: &RunOptions,
+    watch: &mut dyn FnMut(&Status),
+) -> Result<RunReport, RunError> {
+    let control = task.control.ok_or_else(|| RunError::Abstract(task.name.clone()))?;
+    let channels: Vec<String> = model.channels().iter().map(|channel| channel.name.clone()).collect();
+    check(task, &channels, &policies, options)?;
+    let signals = Signals::new();
+    let filter = Filter::new(task, model);
+    let vector_unit = filter.vector_unit().to_string();
+    let guard = Guard::new(arm, task, control);
+    let loops = Loops {
+        controller: ControlLoop::new(Arc::clone(task), control, guard, signals.clone()),
+        filter: FilterLoop::new(Arc::clone(task), filter, channels, options.shield, signals.clone()),
+        policy: PolicyLoop::new(Arc::clone(task), policies, options.goals.clone(), options.max_steps, signals.clone()),
+        signals: signals.clone(),
+        rates_hz: [control.rate_hz, task.belief.rate_hz, task.policy.rate_hz],
+        interrupt: Arc::clone(&options.interrupt),
+    };
+    let finished = if options.lockstep { lockstep::run(loops, watch) } else { live::run(loops, watch) };
+    Ok(sum_up(task, options, &signals, vector_unit, finished))
+}
+
+fn check(task: &Task, channels: &[String], policies: &[Policy], options: &RunOptions) -> Result<(), RunError> {
+    if options.goals.is_empty() {
+        return Err(RunError::NoGoal);
+    }
+    if let Some(channel) = channels.iter().find(|channel| !ARM_CHANNELS.contains(&channel.as_str())) {
+        return Err(RunError::Channel { channel: channel.clone() });
+    }
+    let fits = |policy: &&Policy| (2..=3).contains(&policy.features()) && policy.actions() == task.actions.len();
+    match policies.iter().find(|policy| !fits(policy)) {
+        None => Ok(()),
+        Some(policy) => Err(RunError::PolicyShape {
+            inputs: policy.features(),
+            outputs: policy.actions(),
+            actions: task.actions.len(),
+        }),
+    }
+}
+
+fn sum_up(
+    task: &Task,
+    options: &RunOptions,
+    signals: &Signals,
+    vector_unit: String,
+    mut finished: Finished,
+) -> RunReport {
+    let stopped = finished.trip.as_ref().map(|trip| match trip {
+        Trip::Driver(_) | Trip::DriverFault | Trip::Loop { .. } => Outcome::Fault,
+        _ => Outcome::SafetyStop,
+    });
+    // A goal that was under way when the arm was stopped ends with that stop.
+    finished.policy.judge(finished.end_ns, Some(stopped.unwrap_or(Outcome::Fault)));
+    let goals = finished.policy.into_reports();
+    let last = goals[goals.len() - 1].clone();
+    let violated = matches!(finished.trip, Some(Trip::Violation { .. }));
+    RunReport {
+        object: task.name.clone(),
+        outcome: stopped.unwrap_or(last.outcome),
+        judged_by: last.judged_by,
+        goal: last.goal,
+        belief: last.belief,
+        true_state: last.true_state,
+        goal_error: last.goal_error,
+        time_s: finished.time_s,
+        policy_steps: goals.iter().map(|goal| goal.policy_steps).sum(),
+        safety_violations: signals.truth().map(|_| u32::from(violated)),
+        guard_stops: u32::from(finished.trip.is_some() && !violated),
+        reason: finished.trip.map(|trip| trip.to_string()),
+        lateness: finished.lateness,
+        real_time: finished.real_time,
+        recording: None,
+        recoveries: finished.recoveries,
+        vector_unit,
+        seed: options.seed,
+        goals,
+    }
+}

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
+use crate::feature::UNITS;
 use crate::hash::{canonical_json, task_hash};
 use crate::{Fault, Feature};
 
@@ -110,6 +111,17 @@ impl Contract {
         let mut all = numbers.into_iter().chain(goal).chain(shield).chain(ranges);
         if let Some((name, value)) = all.find(|(_, value)| !value.is_finite()) {
             return Err(format!("says that {name} is {value}"));
+        }
+        if let Some(input) = self
+            .inputs
+            .iter()
+            .find(|input| !UNITS.contains(&input.unit.as_str()))
+        {
+            let Feature { name, unit, .. } = input;
+            return Err(format!(
+                "says that {name} is in {unit:?}, known are {}",
+                UNITS.join(", ")
+            ));
         }
         self.check_task()
     }

@@ -26,7 +26,7 @@ pub enum Existing {
     /// Leave it and fail.
     Keep,
     /// Put the new one in its place.
-    Overwrite,
+    Replace,
 }
 
 /// A policy that was not written. Nothing is left behind.
@@ -230,7 +230,7 @@ fn place(
     bytes: &[u8],
     existing: Existing,
 ) -> Result<(), ExportError> {
-    if existing == Existing::Overwrite {
+    if existing == Existing::Replace {
         return temporary
             .persist(path)
             .map(drop)

@@ -65,19 +65,8 @@ impl FromStr for FeatureName {
     }
 }
 
-/// The unit of a feature.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Unit {
-    /// Radians.
-    #[serde(rename = "rad")]
-    Radian,
-    /// Metres.
-    #[serde(rename = "m")]
-    Metre,
-    /// A plain number.
-    #[serde(rename = "1")]
-    Plain,
-}
+/// What the unit of a feature may be: radians, metres, a plain number.
+pub const UNITS: [&str; 3] = ["rad", "m", "1"];
 
 /// One input of the network. The graph computes `(x - offset) * scale` before its first layer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -85,8 +74,8 @@ pub enum Unit {
 pub struct Feature {
     /// What it is.
     pub name: FeatureName,
-    /// The unit of everything below but `scale`.
-    pub unit: Unit,
+    /// The unit of everything below but `scale`, one of [`UNITS`].
+    pub unit: String,
     /// Smallest value met in training.
     pub lower: f64,
     /// Largest value met in training.

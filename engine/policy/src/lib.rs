@@ -5,7 +5,7 @@
 //! the contract: which task it was trained for, which goal, what its inputs and outputs are, and
 //! sha256 sums over all of it, so that a damaged file or one of another task is refused.
 //!
-//! Writing: a [`Network`] and a [`Contract`] go through [`export::write`], which runs the file and
+//! Writing: a [`Network`] and a [`Contract`] go through [`write`], which runs the file and
 //! compares it with the trainer's own logits before the file appears under its name. Running: a
 //! [`Runtime`] is chosen once per process, a [`PolicyFile`] is read and checked in full, and each
 //! thread opens its own [`Policy`] from it.
@@ -28,10 +28,10 @@ pub mod runtime;
 mod seal;
 
 pub use compare::{Expected, Mismatch, Warning};
-pub use contract::{Contract, Goal, Shield};
+pub use contract::{Contract, FORMAT_VERSION, Goal, Shield};
 pub use error::{Fault, PolicyError};
-pub use export::{Existing, ExportError, Reference};
-pub use feature::{Feature, FeatureName, Unit};
+pub use export::{Existing, ExportError, Reference, write};
+pub use feature::{Feature, FeatureName};
 pub use file::PolicyFile;
 pub use hash::{canonical_json, sha256_hex, task_hash};
 pub use network::{Dense, Network, NetworkError};

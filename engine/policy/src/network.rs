@@ -189,12 +189,12 @@ fn check_scaling(feature: &Feature) -> Result<(), NetworkError> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::{FeatureName, Unit};
+    use crate::FeatureName;
 
     fn small() -> Network {
         let feature = Feature {
             name: FeatureName::MeanState,
-            unit: Unit::Metre,
+            unit: "m".into(),
             lower: 0.0,
             upper: 2.0,
             offset: 1.0,

@@ -168,7 +168,7 @@ fn a_file_that_differs_is_kept_unless_told() {
         first.sha256(),
         "the old file must stay"
     );
-    let second = write(2, Existing::Overwrite).unwrap();
+    let second = write(2, Existing::Replace).unwrap();
     assert_ne!(first.sha256(), second.sha256());
     let names: Vec<_> = std::fs::read_dir(directory.path())
         .unwrap()
@@ -180,7 +180,7 @@ fn a_file_that_differs_is_kept_unless_told() {
 #[test]
 fn an_export_that_is_not_what_was_trained_leaves_nothing() {
     type Spoil = fn(&mut pubs_policy::Network, &mut pubs_policy::Contract, &mut Vec<f32>);
-    let cases: [(Spoil, &str); 6] = [
+    let cases: [(Spoil, &str); 7] = [
         (
             |_, _, logits| logits[7] += 2e-4,
             "does not compute what was trained",
@@ -197,6 +197,13 @@ fn an_export_that_is_not_what_was_trained_leaves_nothing() {
         (
             |_, contract, _| contract.inputs[0].offset = 0.0,
             "other inputs",
+        ),
+        (
+            |network, contract, _| {
+                network.inputs[0].unit = "deg".into();
+                contract.inputs.clone_from(&network.inputs);
+            },
+            "mean_state is in \"deg\", known are rad, m, 1",
         ),
         (
             |_, contract, _| contract.evaluation_reward = f64::NAN,

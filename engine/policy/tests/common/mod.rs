@@ -4,7 +4,7 @@
 use pubs_policy::contract::FORMAT_VERSION;
 use pubs_policy::{
     Contract, Dense, Existing, Feature, FeatureName, Goal, Network, PolicyFile, Reference, Runtime,
-    Shield, Unit, export,
+    Shield, export,
 };
 use serde_json::{Value, json};
 
@@ -60,25 +60,18 @@ fn dense(random: &mut Random, inputs: usize, outputs: usize) -> Dense {
 }
 
 fn features(count: usize) -> Vec<Feature> {
-    let feature = |name, unit, lower, upper, offset, scale| Feature {
+    let feature = |name, unit: &str, lower, upper, offset, scale| Feature {
         name,
-        unit,
+        unit: unit.to_owned(),
         lower,
         upper,
         offset,
         scale,
     };
     let all = [
-        feature(FeatureName::MeanState, Unit::Radian, 0.0, 2.25, 1.125, 0.75),
-        feature(FeatureName::Entropy, Unit::Plain, 0.0, 1.0, 0.5, 2.0),
-        feature(
-            FeatureName::MeanMinusGoal,
-            Unit::Radian,
-            -2.25,
-            2.25,
-            0.0,
-            0.5,
-        ),
+        feature(FeatureName::MeanState, "rad", 0.0, 2.25, 1.125, 0.75),
+        feature(FeatureName::Entropy, "1", 0.0, 1.0, 0.5, 2.0),
+        feature(FeatureName::MeanMinusGoal, "rad", -2.25, 2.25, 0.0, 0.5),
     ];
     all.into_iter().cycle().take(count).collect()
 }
@@ -162,7 +155,7 @@ pub fn written(
         &contract(network),
         reference,
         runtime,
-        Existing::Overwrite,
+        Existing::Replace,
     )
     .unwrap();
     let bytes = std::fs::read(path).unwrap();

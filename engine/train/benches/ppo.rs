@@ -1,10 +1,23 @@
-//! Speed of training on a task that costs next to nothing. Run with `cargo bench -p pubs-train`;
-//! prints the median of several runs for each recipe and vector unit.
+//! Speed of the kernels on each vector unit, and of whole trainings on a task that costs next to
+//! nothing (the median of three, or of as many as the argument says).
+//!
+//! `cargo bench -p pubs-train --bench ppo -- 5`
+
+// Benchmarks see the public interface only; the kernels are not part of it.
+#[allow(dead_code)]
+#[path = "../src/kernels/mod.rs"]
+mod kernels;
 
 use std::convert::Infallible;
 use std::ops::ControlFlow;
+use std::time::Instant;
 
-use pubs_train::{End, Environments, InputScaling, Recipe, Settings, StepOutcome, VectorUnit, train};
+use kernels::buffer::Buffer;
+use kernels::matrix::{Left, Shape, Start, multiply};
+use kernels::tanh::apply_tanh;
+use pubs_train::{
+    End, Environments, InputScaling, Recipe, Settings, StepOutcome, VectorUnit, train,
+};
 
 /// Walks on [0, 1] from a place that a counter picks; action 0 stops, the others move by
 /// −0.05, −0.2, 0.05 and 0.2. The third feature is there for the width of the real task.
@@ -17,7 +30,10 @@ impl Walk {
     const MOVES: [f32; 5] = [0.0, -0.05, -0.2, 0.05, 0.2];
 
     fn new(count: usize) -> Self {
-        Self { places: (0..count).map(|i| i as f32 / count as f32).collect(), episodes: 0 }
+        Self {
+            places: (0..count).map(|i| i as f32 / count as f32).collect(),
+            episodes: 0,
+        }
     }
 }
 
@@ -45,7 +61,10 @@ impl Environments for Walk {
 
     fn step(&mut self, actions: &[usize], outcomes: &mut [StepOutcome]) -> Result<(), Infallible> {
         for ((place, action), outcome) in self.places.iter_mut().zip(actions).zip(outcomes) {
-            *outcome = StepOutcome { reward: -0.001, ..StepOutcome::default() };
+            *outcome = StepOutcome {
+                reward: -0.001,
+                ..StepOutcome::default()
+            };
             *place = (*place + Self::MOVES[*action]).clamp(0.0, 1.0);
             if *action == 0 {
                 outcome.success = (*place - 0.5).abs() < 0.1;
@@ -62,30 +81,85 @@ impl Environments for Walk {
 }
 
 fn main() {
-    let runs = std::env::args().filter_map(|argument| argument.parse().ok()).next().unwrap_or(3);
-    let with = |minibatch, recipe: Recipe| Recipe { minibatch, ..recipe };
-    let cases = [
-        ("standard, 64", with(64, Recipe::standard())),
-        ("standard, 256", with(256, Recipe::standard())),
-        ("paper", Recipe::paper()),
-    ];
-    let wanted = |unit: &VectorUnit| std::env::args().all(|a| a != "best") || *unit == VectorUnit::best();
-    for unit in VectorUnit::available().into_iter().filter(wanted) {
-        for (name, recipe) in &cases {
-            let mut times: Vec<(f64, f64, f64)> = (0..runs).map(|_| time(recipe, unit)).collect();
-            times.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let (total_s, learning_s, rollout_s) = times[times.len() / 2];
-            let steps_per_s = recipe.steps as f64 / total_s;
-            println!(
-                "{unit:8} {name:14} {total_s:6.2} s = {learning_s:5.2} learning + {rollout_s:4.2} \
-                 rollouts, {steps_per_s:7.0} steps/s"
-            );
-        }
+    let runs = std::env::args()
+        .filter_map(|argument| argument.parse().ok())
+        .next()
+        .unwrap_or(3);
+    for unit in kernels::VectorUnit::available() {
+        time_kernels(unit);
+    }
+    for recipe in Recipe::all() {
+        let mut times: Vec<_> = (0..runs)
+            .map(|_| time(&recipe, VectorUnit::best()))
+            .collect();
+        times.sort_by(|a, b| a.total_s.total_cmp(&b.total_s));
+        let Times {
+            total_s,
+            learning_s,
+            rollout_s,
+        } = times[times.len() / 2];
+        println!(
+            "{} {:8} {total_s:6.2} s = {learning_s:5.2} learning + {rollout_s:4.2} rollouts, {:7.0} \
+             steps/s",
+            VectorUnit::best(),
+            recipe.name,
+            recipe.steps as f64 / total_s
+        );
     }
 }
 
-/// Whole training, learning alone and rollouts alone, s.
-fn time(recipe: &Recipe, unit: VectorUnit) -> (f64, f64, f64) {
+/// Prints the speed of the product of two 64 × 64 matrices and of tanh: of many repetitions the
+/// fastest, which nothing else on the machine disturbed.
+fn time_kernels(unit: kernels::VectorUnit) {
+    const SIDE: usize = 64;
+    const REPETITIONS: usize = 2000;
+    let (a, b) = (filled(0.5), filled(0.25));
+    let mut c = filled(0.0);
+    let shape = Shape {
+        rows: SIDE,
+        depth: SIDE,
+        columns: SIDE,
+    };
+    let left = Left::Rows {
+        values: &a,
+        stride: SIDE,
+    };
+    let product_s = fastest(REPETITIONS, || {
+        multiply(unit, shape, left, &b, Start::Zero, &mut c)
+    });
+    let mut values = filled(1.0);
+    let tanh_s = fastest(REPETITIONS, || apply_tanh(unit, &mut values));
+    println!(
+        "{unit:8} {:5.1} GFLOP/s, tanh {:.3} ns",
+        2.0 * (SIDE * SIDE * SIDE) as f64 / product_s / 1e9,
+        tanh_s * 1e9 / (SIDE * SIDE) as f64
+    );
+
+    fn filled(value: f32) -> Buffer {
+        let mut buffer = Buffer::zeros(SIDE * SIDE);
+        buffer.fill(value);
+        buffer
+    }
+}
+
+/// The shortest of several runs, s.
+fn fastest(repetitions: usize, mut run: impl FnMut()) -> f64 {
+    let times = (0..repetitions).map(|_| {
+        let start = Instant::now();
+        run();
+        start.elapsed().as_secs_f64()
+    });
+    times.fold(f64::INFINITY, f64::min)
+}
+
+#[derive(Clone, Copy)]
+struct Times {
+    total_s: f64,
+    learning_s: f64,
+    rollout_s: f64,
+}
+
+fn time(recipe: &Recipe, unit: VectorUnit) -> Times {
     let settings = Settings {
         recipe: recipe.clone(),
         layers: vec![64, 64, 64],
@@ -99,6 +173,9 @@ fn time(recipe: &Recipe, unit: VectorUnit) -> (f64, f64, f64) {
         Ok(trained) => trained,
         Err(error) => panic!("training failed: {error}"),
     };
-    eprintln!("{:?}", trained.progress);
-    (trained.progress.time_s, trained.learning_s, trained.rollout_s)
+    Times {
+        total_s: trained.progress.time_s,
+        learning_s: trained.learning_s,
+        rollout_s: trained.rollout_s,
+    }
 }

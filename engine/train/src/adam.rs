@@ -55,7 +55,14 @@ impl Adam {
             root_correction: (1.0 / square_correction.sqrt()) as f32,
             epsilon: self.epsilon,
         };
-        move_parameters(unit, step, gradients, &mut self.mean, &mut self.square, parameters);
+        move_parameters(
+            unit,
+            step,
+            gradients,
+            &mut self.mean,
+            &mut self.square,
+            parameters,
+        );
     }
 }
 
@@ -104,7 +111,10 @@ mod tests {
             adam.step(unit, 0.1, 0.5, &[2.0], &mut parameters);
             assert!((parameters[0] - 2.9).abs() < 1e-6, "{unit}: {parameters:?}");
             adam.step(unit, 0.1, 0.5, &[-4.0], &mut parameters);
-            assert!((parameters[0] - 2.936_610_3).abs() < 1e-6, "{unit}: {parameters:?}");
+            assert!(
+                (parameters[0] - 2.936_610_3).abs() < 1e-6,
+                "{unit}: {parameters:?}"
+            );
         }
     }
 
@@ -115,7 +125,10 @@ mod tests {
             let mut adam = Adam::new(1, 1e-5);
             let mut parameters = [0.0];
             adam.step(unit, 0.1, 1.0, &[1e-5], &mut parameters);
-            assert!((parameters[0] + 0.05).abs() < 1e-6, "{unit}: {parameters:?}");
+            assert!(
+                (parameters[0] + 0.05).abs() < 1e-6,
+                "{unit}: {parameters:?}"
+            );
         }
     }
 }

@@ -37,12 +37,21 @@ pub(crate) struct Trainee {
 impl Trainee {
     pub(crate) fn new(network: Network, adam_epsilon: f32) -> Self {
         let adam = Adam::new(network.parameters.len(), adam_epsilon);
-        Self { workspace: Workspace::new(&network), network, adam }
+        Self {
+            workspace: Workspace::new(&network),
+            network,
+            adam,
+        }
     }
 
     fn step(&mut self, unit: VectorUnit, learning_rate: f32, gradient_scale: f32) {
-        let Network { gradients, parameters, .. } = &mut self.network;
-        self.adam.step(unit, learning_rate, gradient_scale, gradients, parameters);
+        let Network {
+            gradients,
+            parameters,
+            ..
+        } = &mut self.network;
+        self.adam
+            .step(unit, learning_rate, gradient_scale, gradients, parameters);
         self.network.renew_copies();
     }
 }
@@ -121,14 +130,29 @@ impl Learner {
 
     /// Forward and backward through both networks.
     fn add_gradients(&mut self, count: usize, weights: Weights) {
-        let Trainee { network, workspace, .. } = &mut self.policy;
-        network.forward(count, &self.features, workspace, &mut self.distribution.logits);
+        let Trainee {
+            network, workspace, ..
+        } = &mut self.policy;
+        network.forward(
+            count,
+            &self.features,
+            workspace,
+            &mut self.distribution.logits,
+        );
         self.distribution.normalise(self.unit);
         let gradients = &mut self.logit_gradients;
-        policy_gradients(self.unit, weights, &self.samples, &self.distribution, gradients);
+        policy_gradients(
+            self.unit,
+            weights,
+            &self.samples,
+            &self.distribution,
+            gradients,
+        );
         network.backward(count, &self.features, workspace, gradients);
 
-        let Trainee { network, workspace, .. } = &mut self.value;
+        let Trainee {
+            network, workspace, ..
+        } = &mut self.value;
         network.forward(count, &self.features, workspace, &mut self.values);
         let [gradients] = &mut self.value_gradients;
         value_gradients(weights, &self.samples, &self.values[0], gradients);
@@ -141,8 +165,12 @@ impl Learner {
         let actions = self.logit_gradients.len();
         for (b, &sample) in block.iter().enumerate() {
             let sample = sample as usize;
-            self.features[b * width..][..width]
-                .copy_from_slice(&rollout.features[sample * width..][..width]);
+            // Element by element: a call of `memcpy` costs more than a few numbers.
+            let features = &rollout.features[sample * width..][..width];
+            self.features[b * width..]
+                .iter_mut()
+                .zip(features)
+                .for_each(|(to, from)| *to = *from);
             let mask = &rollout.allowed[sample * actions..][..actions];
             for (column, allowed) in self.distribution.allowed.iter_mut().zip(mask) {
                 column[b] = *allowed;
@@ -167,11 +195,17 @@ impl Normal {
     fn of(numbers: impl ExactSizeIterator<Item = f32> + Clone) -> Self {
         let count = numbers.len() as f32;
         if count < 2.0 {
-            return Self { mean: 0.0, factor: 1.0 };
+            return Self {
+                mean: 0.0,
+                factor: 1.0,
+            };
         }
         let mean = numbers.clone().sum::<f32>() / count;
         let variance = numbers.map(|x| (x - mean) * (x - mean)).sum::<f32>() / (count - 1.0);
-        Self { mean, factor: 1.0 / (variance.sqrt() + DEVIATION_FLOOR) }
+        Self {
+            mean,
+            factor: 1.0 / (variance.sqrt() + DEVIATION_FLOOR),
+        }
     }
 
     fn apply(self, number: f32) -> f32 {

@@ -11,6 +11,8 @@ mod adam;
 mod environment;
 mod error;
 mod gae;
+#[cfg(test)]
+mod kernel_tests;
 mod kernels;
 mod learner;
 mod loss;

@@ -86,7 +86,11 @@ fn log_softmax_body<A: Arithmetic>(
     for (logits, allowed) in logits.iter().zip(allowed) {
         for b in 0..BLOCK {
             let logit = if allowed[b] > 0.0 { logits[b] } else { MASKED };
-            largest[b] = if logit > largest[b] { logit } else { largest[b] };
+            largest[b] = if logit > largest[b] {
+                logit
+            } else {
+                largest[b]
+            };
         }
     }
     let mut sum = [0.0; BLOCK];
@@ -137,8 +141,11 @@ fn policy_gradients_body<A: Arithmetic>(
         let (action, probabilities) = (action as f32, &policy.probabilities[action]);
         for b in 0..BLOCK {
             entropy[b] = A::multiply_add(-probabilities[b], logs[b], entropy[b]);
-            log_probability[b] =
-                if samples.actions[b] == action { logs[b] } else { log_probability[b] };
+            log_probability[b] = if samples.actions[b] == action {
+                logs[b]
+            } else {
+                log_probability[b]
+            };
         }
     }
     // dL/d ln π(a): nothing where the clipped term is the smaller one, as it does not move.
@@ -155,7 +162,11 @@ fn policy_gradients_body<A: Arithmetic>(
         let logs = &policy.log_probabilities[action];
         let action = action as f32;
         for b in 0..BLOCK {
-            let taken = if samples.actions[b] == action { 1.0 } else { 0.0 };
+            let taken = if samples.actions[b] == action {
+                1.0
+            } else {
+                0.0
+            };
             let of_entropy = probabilities[b] * (logs[b] + entropy[b]);
             let of_ratio = pull[b] * (taken - probabilities[b]);
             gradients[b] =

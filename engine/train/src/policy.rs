@@ -53,7 +53,9 @@ impl Policy {
     /// Logits `[n][actions]` of unscaled observations `[n][features]`.
     pub fn logits(&mut self, features: &[f32], logits: &mut [f32]) {
         let (inputs, actions) = (self.features(), self.actions());
-        let blocks = features.chunks(BLOCK * inputs).zip(logits.chunks_mut(BLOCK * actions));
+        let blocks = features
+            .chunks(BLOCK * inputs)
+            .zip(logits.chunks_mut(BLOCK * actions));
         for (features, logits) in blocks {
             self.forward(features);
             for (sample, row) in logits.chunks_exact_mut(actions).enumerate() {
@@ -68,7 +70,9 @@ impl Policy {
     /// allowed `[n][actions]`, at least one each, chosen `[n]`.
     pub fn choose(&mut self, features: &[f32], allowed: &[bool], chosen: &mut [usize]) {
         let (inputs, actions) = (self.features(), self.actions());
-        let blocks = features.chunks(BLOCK * inputs).zip(allowed.chunks(BLOCK * actions));
+        let blocks = features
+            .chunks(BLOCK * inputs)
+            .zip(allowed.chunks(BLOCK * actions));
         for ((features, allowed), chosen) in blocks.zip(chosen.chunks_mut(BLOCK)) {
             self.forward(features);
             let rows = allowed.chunks_exact(actions).enumerate();
@@ -86,6 +90,7 @@ impl Policy {
         self.scaling.apply(features, &mut self.scaled);
         let samples = features.len() / self.features();
         let logits = &mut self.distribution.logits;
-        self.network.forward(samples, &self.scaled, &mut self.workspace, logits);
+        self.network
+            .forward(samples, &self.scaled, &mut self.workspace, logits);
     }
 }

@@ -104,8 +104,15 @@ pub fn train<E: Environments>(
             recipe.gae_lambda,
         );
         let numbers = numbers_of(recipe, update as f32 / recipe.updates() as f32);
-        learn(&mut learner, &rollout, &mut order, recipe, numbers, &mut minibatch_generator)
-            .map_err(|norm| TrainError::Diverged { steps, norm })?;
+        learn(
+            &mut learner,
+            &rollout,
+            &mut order,
+            recipe,
+            numbers,
+            &mut minibatch_generator,
+        )
+        .map_err(|norm| TrainError::Diverged { steps, norm })?;
         learning += learning_start.elapsed();
 
         let last = steps == total_steps;
@@ -178,7 +185,13 @@ fn check<E: Environments>(
     environments: &E,
     settings: &Settings,
 ) -> Result<(), TrainError<E::Error>> {
-    let Settings { recipe, layers, scaling, discount, .. } = settings;
+    let Settings {
+        recipe,
+        layers,
+        scaling,
+        discount,
+        ..
+    } = settings;
     let fault = recipe.fault().or_else(|| match discount {
         _ if layers.is_empty() => Some("there is no hidden layer".to_owned()),
         _ if layers.contains(&0) => Some("a hidden layer has width 0".to_owned()),
@@ -190,8 +203,16 @@ fn check<E: Environments>(
     }
     let pairs = [
         ("environments", environments.count(), recipe.environments),
-        ("features scaled by an offset", environments.features(), scaling.offset.len()),
-        ("features scaled by a factor", environments.features(), scaling.scale.len()),
+        (
+            "features scaled by an offset",
+            environments.features(),
+            scaling.offset.len(),
+        ),
+        (
+            "features scaled by a factor",
+            environments.features(),
+            scaling.scale.len(),
+        ),
     ];
     for (what, found, expected) in pairs {
         if found != expected {

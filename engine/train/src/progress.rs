@@ -33,7 +33,11 @@ impl Progress {
     /// Mean steps per second since the start.
     #[must_use]
     pub fn steps_per_s(&self) -> f64 {
-        if self.time_s > 0.0 { self.steps as f64 / self.time_s } else { 0.0 }
+        if self.time_s > 0.0 {
+            self.steps as f64 / self.time_s
+        } else {
+            0.0
+        }
     }
 }
 

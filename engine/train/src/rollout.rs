@@ -160,7 +160,8 @@ impl Rollout {
             self.ended[sample] = outcome.end.is_some();
             collector.episodes.record(index, outcome);
             if outcome.end == Some(End::Truncated) {
-                self.truncated.add(sample, index, width, environments, collector.scaling);
+                self.truncated
+                    .add(sample, index, width, environments, collector.scaling);
             }
         }
     }
@@ -187,7 +188,14 @@ impl Rollout {
             values.push(next);
             let rewards = &self.rewards[own.clone()];
             let ended = &self.ended[own.clone()];
-            advantages(discount, lambda, rewards, &values, ended, &mut self.advantages[own]);
+            advantages(
+                discount,
+                lambda,
+                rewards,
+                &values,
+                ended,
+                &mut self.advantages[own],
+            );
         }
         let pairs = self.advantages.iter().zip(&self.values);
         for (returns, (advantage, value)) in self.returns.iter_mut().zip(pairs) {
@@ -243,7 +251,9 @@ impl Present {
             let features = &self.scaled[first * width..block.end * width];
             let distribution = &mut self.distribution;
             let logits = &mut distribution.logits;
-            collector.policy.forward(block.len(), features, collector.workspace, logits);
+            collector
+                .policy
+                .forward(block.len(), features, collector.workspace, logits);
             for (sample, index) in block.clone().enumerate() {
                 let mask = &self.allowed[index * actions..][..actions];
                 for (column, allowed) in distribution.allowed.iter_mut().zip(mask) {
@@ -280,7 +290,9 @@ fn draw(distribution: &Distribution, sample: usize, level: f32) -> usize {
 /// Values of scaled observations `[n][feature]`.
 fn evaluate(value: &Network, workspace: &mut Workspace, features: &[f32], values: &mut [f32]) {
     let mut results = [[0.0; BLOCK]];
-    for (features, values) in features.chunks(BLOCK * value.inputs()).zip(values.chunks_mut(BLOCK))
+    for (features, values) in features
+        .chunks(BLOCK * value.inputs())
+        .zip(values.chunks_mut(BLOCK))
     {
         value.forward(values.len(), features, workspace, &mut results);
         values.copy_from_slice(&results[0][..values.len()]);

@@ -13,13 +13,19 @@ impl InputScaling {
     /// Leaves `features` inputs as they are.
     #[must_use]
     pub fn identity(features: usize) -> Self {
-        Self { offset: vec![0.0; features], scale: vec![1.0; features] }
+        Self {
+            offset: vec![0.0; features],
+            scale: vec![1.0; features],
+        }
     }
 
     /// Scales observations `[n][features]`.
     pub(crate) fn apply(&self, features: &[f32], scaled: &mut [f32]) {
         let width = self.offset.len();
-        for (from, to) in features.chunks_exact(width).zip(scaled.chunks_exact_mut(width)) {
+        for (from, to) in features
+            .chunks_exact(width)
+            .zip(scaled.chunks_exact_mut(width))
+        {
             for i in 0..width {
                 to[i] = (from[i] - self.offset[i]) * self.scale[i];
             }

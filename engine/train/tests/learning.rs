@@ -14,7 +14,10 @@ fn settings(recipe: Recipe, seed: u64) -> Settings {
     Settings {
         recipe,
         layers: vec![32, 32],
-        scaling: InputScaling { offset: vec![4.0], scale: vec![0.25] },
+        scaling: InputScaling {
+            offset: vec![4.0],
+            scale: vec![0.25],
+        },
         discount: corridor::DISCOUNT,
         seed,
         unit: VectorUnit::best(),
@@ -22,7 +25,10 @@ fn settings(recipe: Recipe, seed: u64) -> Settings {
 }
 
 fn short(steps: usize) -> Recipe {
-    Recipe { steps, ..Recipe::standard() }
+    Recipe {
+        steps,
+        ..Recipe::standard()
+    }
 }
 
 fn trained(settings: &Settings) -> Trained {
@@ -33,11 +39,22 @@ fn trained(settings: &Settings) -> Trained {
 #[test]
 fn reaches_the_optimum_of_a_corridor() {
     let best = value_iteration();
-    let paper = Recipe { steps: 200_000, ..Recipe::paper() };
+    let paper = Recipe {
+        steps: 200_000,
+        ..Recipe::paper()
+    };
     for (name, recipe) in [("standard", short(60_000)), ("paper", paper)] {
-        let Trained { mut policy, progress, .. } = trained(&settings(recipe, 1));
+        let Trained {
+            mut policy,
+            progress,
+            ..
+        } = trained(&settings(recipe, 1));
         let mut chosen = vec![0; corridor::STATES];
-        policy.choose(&corridor::all_features(), &corridor::all_masks(), &mut chosen);
+        policy.choose(
+            &corridor::all_features(),
+            &corridor::all_masks(),
+            &mut chosen,
+        );
         let reached = value_of(&chosen);
         assert!(
             reached >= 0.98 * best,
@@ -49,14 +66,21 @@ fn reaches_the_optimum_of_a_corridor() {
 /// Every state is worth 1 / (1 − γ) where each step pays 1 and episodes are only ever truncated.
 #[test]
 fn truncated_episodes_keep_the_value_of_their_last_state() {
-    let mut settings = settings(short(60_000), 1);
+    let recipe = Recipe {
+        minibatch: 64,
+        ..short(60_000)
+    };
+    let mut settings = settings(recipe, 1);
     settings.discount = 0.5;
     let mut corridor = Corridor::new(settings.recipe.environments, 1);
     corridor.pays_every_step = true;
     let trained = train(&mut corridor, &settings, |_| ControlFlow::Continue(())).unwrap();
     for place in 0..corridor::STATES {
         let value = evaluate(&trained.value, (place as f32 - 4.0) * 0.25);
-        assert!((value - 2.0).abs() < 0.02, "the value at {place} is {value}, not 2");
+        assert!(
+            (value - 2.0).abs() < 0.02,
+            "the value at {place} is {value}, not 2"
+        );
     }
 }
 
@@ -77,16 +101,22 @@ fn evaluate(layers: &[DenseLayer], input: f32) -> f32 {
 fn exported_layers_are_the_policy() {
     let mut trained = trained(&settings(short(2048), 1));
     let mut logits = vec![0.0; corridor::STATES * corridor::ACTIONS];
-    trained.policy.logits(&corridor::all_features(), &mut logits);
+    trained
+        .policy
+        .logits(&corridor::all_features(), &mut logits);
     let mut layers = trained.policy.layers();
     for (place, row) in logits.chunks(corridor::ACTIONS).enumerate() {
         for (action, logit) in row.iter().enumerate() {
             // One output at a time, by making its row the last layer's only one.
             let last = layers.last_mut().unwrap();
-            last.weights.rotate_left(if action == 0 { 0 } else { last.inputs });
+            last.weights
+                .rotate_left(if action == 0 { 0 } else { last.inputs });
             last.bias.rotate_left(usize::from(action > 0));
             let expected = evaluate(&layers, (place as f32 - 4.0) * 0.25);
-            assert!((logit - expected).abs() < 1e-5, "{place} {action}: {logit} {expected}");
+            assert!(
+                (logit - expected).abs() < 1e-5,
+                "{place} {action}: {logit} {expected}"
+            );
         }
         let last = layers.last_mut().unwrap();
         last.weights.rotate_left(last.inputs);
@@ -97,11 +127,24 @@ fn exported_layers_are_the_policy() {
 #[test]
 fn one_seed_gives_the_same_weights_and_another_does_not() {
     for unit in VectorUnit::available() {
-        let with = |seed| trained(&Settings { unit, ..settings(short(8192), seed) });
+        let with = |seed| {
+            trained(&Settings {
+                unit,
+                ..settings(short(8192), seed)
+            })
+        };
         let (first, again, other) = (with(1), with(1), with(2));
-        assert_eq!(first.policy.layers(), again.policy.layers(), "{unit}: policy");
+        assert_eq!(
+            first.policy.layers(),
+            again.policy.layers(),
+            "{unit}: policy"
+        );
         assert_eq!(first.value, again.value, "{unit}: value");
-        assert_ne!(first.policy.layers(), other.policy.layers(), "{unit}: two seeds");
+        assert_ne!(
+            first.policy.layers(),
+            other.policy.layers(),
+            "{unit}: two seeds"
+        );
     }
 }
 
@@ -115,11 +158,18 @@ fn progress_counts_steps_and_can_cancel() {
         ControlFlow::Continue(())
     };
     train(&mut corridor, &settings, report).unwrap();
-    assert_eq!((last.steps, last.total_steps), (10_240, 10_240), "whole rollouts of 2,048");
+    assert_eq!(
+        (last.steps, last.total_steps),
+        (10_240, 10_240),
+        "whole rollouts of 2,048"
+    );
     assert!(last.episodes > 0 && last.mean_return.is_some(), "{last:?}");
 
     let result = train(&mut corridor, &settings, |_| ControlFlow::Break(()));
-    assert!(matches!(result, Err(TrainError::Cancelled { .. })), "{result:?}");
+    assert!(
+        matches!(result, Err(TrainError::Cancelled { .. })),
+        "{result:?}"
+    );
 }
 
 #[test]
@@ -139,19 +189,50 @@ fn faults_are_named() {
         (&no_layers, Fault::None, "no hidden layer"),
         (&bad_discount, Fault::None, "the discount is NaN"),
         (&bad_rate, Fault::None, "learning_rate is NaN"),
-        (&other_count, Fault::None, "the task has 8, the settings say 4"),
-        (&other_inputs, Fault::None, "the task has 1, the settings say 2"),
-        (&good, Fault::BadReward, "environment 0 gave a reward that is not finite at step"),
-        (&good, Fault::BadFeature, "environment 0 gave an observation that is not finite"),
-        (&good, Fault::NothingAllowed, "environment 0 gave a mask that allows no action"),
-        (&good, Fault::Broken, "an environment failed at step 800: the corridor is closed"),
-        (&good, Fault::HugeReward, "training diverged after 2048 steps"),
+        (
+            &other_count,
+            Fault::None,
+            "the task has 8, the settings say 4",
+        ),
+        (
+            &other_inputs,
+            Fault::None,
+            "the task has 1, the settings say 2",
+        ),
+        (
+            &good,
+            Fault::BadReward,
+            "environment 0 gave a reward that is not finite at step",
+        ),
+        (
+            &good,
+            Fault::BadFeature,
+            "environment 0 gave an observation that is not finite",
+        ),
+        (
+            &good,
+            Fault::NothingAllowed,
+            "environment 0 gave a mask that allows no action",
+        ),
+        (
+            &good,
+            Fault::Broken,
+            "an environment failed at step 800: the corridor is closed",
+        ),
+        (
+            &good,
+            Fault::HugeReward,
+            "training diverged after 2048 steps",
+        ),
     ];
     for (settings, fault, expected) in cases {
         let mut corridor = Corridor::new(8, 1);
         corridor.fault = fault;
         let error = train(&mut corridor, settings, |_| ControlFlow::Continue(())).unwrap_err();
-        assert!(error.to_string().contains(expected), "{error}\nshould say: {expected}");
+        assert!(
+            error.to_string().contains(expected),
+            "{error}\nshould say: {expected}"
+        );
     }
 }
 
@@ -161,5 +242,8 @@ fn recipes_are_found_by_name() {
         assert_eq!(recipe.name.parse::<Recipe>().unwrap(), recipe);
     }
     let error = "fast".parse::<Recipe>().unwrap_err().to_string();
-    assert_eq!(error, "there is no recipe \"fast\"; there are \"standard\" and \"paper\"");
+    assert_eq!(
+        error,
+        "there is no recipe \"fast\"; there are \"standard\" and \"paper\""
+    );
 }

@@ -17,8 +17,15 @@ impl Buffer {
     pub(crate) fn zeros(length: usize) -> Self {
         let memory = vec![0.0; length + LINE];
         // `align_offset` may refuse; alignment is only a matter of speed.
-        let start = memory.as_ptr().align_offset(LINE * size_of::<f32>()).min(LINE);
-        Self { memory, start, length }
+        let start = memory
+            .as_ptr()
+            .align_offset(LINE * size_of::<f32>())
+            .min(LINE);
+        Self {
+            memory,
+            start,
+            length,
+        }
     }
 }
 

@@ -20,7 +20,15 @@ pub(crate) fn exp<A: Arithmetic>(x: f32) -> f32 {
     let r = A::multiply_add(n, -LN_2_LOW, A::multiply_add(n, -LN_2_HIGH, x));
     // Taylor's series; |r| ≤ ln 2 / 2, so the first term left out is below 6e-9.
     let mut sum = 1.0 / 5040.0;
-    for coefficient in [1.0 / 720.0, 1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0] {
+    for coefficient in [
+        1.0 / 720.0,
+        1.0 / 120.0,
+        1.0 / 24.0,
+        1.0 / 6.0,
+        0.5,
+        1.0,
+        1.0,
+    ] {
         sum = A::multiply_add(sum, r, coefficient);
     }
     let exponent = (rounded.to_bits() as i32).wrapping_sub(ROUND.to_bits() as i32);

@@ -135,8 +135,7 @@ fn tile<A: Arithmetic, const M: usize, const N: usize>(
     }
     match left {
         Left::Rows { values, stride } => {
-            let rows: [&[f32]; M] =
-                std::array::from_fn(|m| &values[(row + m) * stride..][..depth]);
+            let rows: [&[f32]; M] = std::array::from_fn(|m| &values[(row + m) * stride..][..depth]);
             for k in 0..depth {
                 let right = &right[k * columns + at.column..][..N];
                 add_products::<A, M, N>(|m| rows[m][k], right, &mut sums);

@@ -9,7 +9,4 @@ pub(crate) mod tanh;
 pub(crate) mod transpose;
 pub(crate) mod unit;
 
-#[cfg(test)]
-pub(crate) mod tests;
-
 pub use unit::VectorUnit;

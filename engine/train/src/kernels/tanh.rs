@@ -8,8 +8,20 @@ const SATURATED: f32 = 8.4;
 
 /// tanh x ≈ x · P(x²) / Q(x²), a minimax fit of the relative error (1.1e-8) on [0, 8.4];
 /// highest power first.
-const P: [f32; 5] = [1.445_848_5e-8, 2.138_025_1e-5, 3.541_647_5e-3, 0.134_196_05, 1.0];
-const Q: [f32; 5] = [8.220_226e-7, 3.361_475_6e-4, 2.605_155_5e-2, 0.467_529_3, 1.0];
+const P: [f32; 5] = [
+    1.445_848_5e-8,
+    2.138_025e-5,
+    3.541_647_5e-3,
+    0.134_196_05,
+    1.0,
+];
+const Q: [f32; 5] = [
+    8.220_226e-7,
+    3.361_475_6e-4,
+    2.605_155_5e-2,
+    0.467_529_3,
+    1.0,
+];
 
 /// tanh x, relative error below 4e-7; NaN stays NaN.
 #[inline(always)]
@@ -49,15 +61,38 @@ fn backward_tanh_body<A: Arithmetic>(
     bias_gradients: &mut [f32],
 ) {
     let width = bias_gradients.len();
-    for (outputs, gradients) in outputs.chunks_exact(width).zip(gradients.chunks_exact_mut(width)) {
-        let vectors = outputs.as_chunks::<LANES>().0.iter();
-        let vectors = vectors.zip(gradients.as_chunks_mut::<LANES>().0);
-        for ((output, gradient), sum) in vectors.zip(bias_gradients.as_chunks_mut::<LANES>().0) {
-            for lane in 0..LANES {
-                let slope = A::multiply_add(-output[lane], output[lane], 1.0);
-                gradient[lane] *= slope;
-                sum[lane] += gradient[lane];
-            }
+    // Panels so narrow that their sums stay in registers from the first sample to the last.
+    const WIDE: usize = 4 * LANES;
+    let wide = width - width % WIDE;
+    for first in (0..wide).step_by(WIDE) {
+        backward_panel::<A, WIDE>(first, outputs, gradients, bias_gradients);
+    }
+    for first in (wide..width).step_by(LANES) {
+        backward_panel::<A, LANES>(first, outputs, gradients, bias_gradients);
+    }
+}
+
+#[inline(always)]
+fn backward_panel<A: Arithmetic, const N: usize>(
+    first: usize,
+    outputs: &[f32],
+    gradients: &mut [f32],
+    bias_gradients: &mut [f32],
+) {
+    let width = bias_gradients.len();
+    let mut sums = [0.0; N];
+    let rows = outputs
+        .chunks_exact(width)
+        .zip(gradients.chunks_exact_mut(width));
+    for (outputs, gradients) in rows {
+        let (outputs, gradients) = (&outputs[first..][..N], &mut gradients[first..][..N]);
+        for n in 0..N {
+            let slope = A::multiply_add(-outputs[n], outputs[n], 1.0);
+            gradients[n] *= slope;
+            sums[n] += gradients[n];
         }
+    }
+    for (gradient, sum) in bias_gradients[first..][..N].iter_mut().zip(sums) {
+        *gradient += sum;
     }
 }

@@ -51,7 +51,9 @@ impl VectorUnit {
     /// The unit with this [`name`](Self::name), if this machine has it.
     #[must_use]
     pub fn by_name(name: &str) -> Option<Self> {
-        Self::available().into_iter().find(|unit| unit.name() == name)
+        Self::available()
+            .into_iter()
+            .find(|unit| unit.name() == name)
     }
 
     /// `avx512`, `avx2` or `portable`.

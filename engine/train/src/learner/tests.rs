@@ -56,15 +56,28 @@ fn gradients_match_finite_differences() {
             check_kinds_of_samples(&rollout, &learner.policy.network.export());
             let policy_loss = |layers: &[Layer]| policy_loss(&rollout, layers);
             let value_loss = |layers: &[Layer]| value_loss(&rollout, layers);
-            compare(&learner.policy.network, policy_loss, &format!("{unit} policy {layers:?}"));
-            compare(&learner.value.network, value_loss, &format!("{unit} value {layers:?}"));
+            compare(
+                &learner.policy.network,
+                policy_loss,
+                &format!("{unit} policy {layers:?}"),
+            );
+            compare(
+                &learner.value.network,
+                value_loss,
+                &format!("{unit} value {layers:?}"),
+            );
         }
     }
 }
 
 fn with_gradients(unit: VectorUnit, layers: &[usize]) -> Learner {
     let trainee = |name: &str, outputs: usize| {
-        let widths: Vec<usize> = [FEATURES].iter().chain(layers).chain([&outputs]).copied().collect();
+        let widths: Vec<usize> = [FEATURES]
+            .iter()
+            .chain(layers)
+            .chain([&outputs])
+            .copied()
+            .collect();
         let mut network = Network::new(unit, &widths, 1.0, &mut stream(3, name));
         perturb_biases(&mut network);
         Trainee::new(network, 1e-5)
@@ -81,10 +94,19 @@ fn perturb_biases(network: &mut Network) {
     let mut workspace = Workspace::new(network);
     let mut results = vec![[0.0; BLOCK]; network.outputs()];
     network.forward(1, &inputs, &mut workspace, &mut results);
-    let gradients: Vec<Column> = (0..network.outputs()).map(|o| [1.0 + o as f32; BLOCK]).collect();
+    let gradients: Vec<Column> = (0..network.outputs())
+        .map(|o| [1.0 + o as f32; BLOCK])
+        .collect();
     network.backward(1, &inputs, &mut workspace, &gradients);
-    let Network { parameters, gradients, .. } = network;
-    parameters.iter_mut().zip(gradients.iter()).for_each(|(p, g)| *p -= 0.05 * g);
+    let Network {
+        parameters,
+        gradients,
+        ..
+    } = network;
+    parameters
+        .iter_mut()
+        .zip(gradients.iter())
+        .for_each(|(p, g)| *p -= 0.05 * g);
     network.renew_copies();
 }
 
@@ -116,7 +138,10 @@ type Layer = (Vec<Vec<f64>>, Vec<f64>);
 fn in_f64(layers: &[DenseLayer]) -> Vec<Layer> {
     let row = |row: &[f32]| row.iter().map(|x| f64::from(*x)).collect::<Vec<f64>>();
     let layer = |layer: &DenseLayer| {
-        (layer.weights.chunks(layer.inputs).map(row).collect(), row(&layer.bias))
+        (
+            layer.weights.chunks(layer.inputs).map(row).collect(),
+            row(&layer.bias),
+        )
     };
     layers.iter().map(layer).collect()
 }
@@ -125,7 +150,11 @@ fn forward(layers: &[Layer], features: &[f32]) -> Vec<f64> {
     let mut values: Vec<f64> = features.iter().map(|x| f64::from(*x)).collect();
     for (l, (weights, bias)) in layers.iter().enumerate() {
         let sum = |row: &Vec<f64>| row.iter().zip(&values).map(|(w, x)| w * x).sum::<f64>();
-        values = weights.iter().zip(bias).map(|(row, b)| sum(row) + b).collect();
+        values = weights
+            .iter()
+            .zip(bias)
+            .map(|(row, b)| sum(row) + b)
+            .collect();
         if l + 1 < layers.len() {
             values.iter_mut().for_each(|x| *x = x.tanh());
         }
@@ -137,8 +166,11 @@ fn forward(layers: &[Layer], features: &[f32]) -> Vec<f64> {
 fn probabilities(rollout: &Rollout, layers: &[Layer], i: usize) -> Vec<f64> {
     let logits = forward(layers, &rollout.features[i * FEATURES..][..FEATURES]);
     let allowed = &rollout.allowed[i * ACTIONS..][..ACTIONS];
-    let powers: Vec<f64> =
-        logits.iter().zip(allowed).map(|(z, a)| z.exp() * f64::from(*a)).collect();
+    let powers: Vec<f64> = logits
+        .iter()
+        .zip(allowed)
+        .map(|(z, a)| z.exp() * f64::from(*a))
+        .collect();
     let sum: f64 = powers.iter().sum();
     powers.iter().map(|power| power / sum).collect()
 }
@@ -182,10 +214,19 @@ fn check_kinds_of_samples(rollout: &Rollout, layers: &[DenseLayer]) {
     let mut kinds = [[0; 3]; 2];
     for (i, advantage) in advantages.iter().enumerate() {
         let r = ratio(rollout, &probabilities(rollout, &layers, i), i);
-        let side = if r < 0.8 { 0 } else if r > 1.2 { 2 } else { 1 };
+        let side = if r < 0.8 {
+            0
+        } else if r > 1.2 {
+            2
+        } else {
+            1
+        };
         kinds[usize::from(*advantage > 0.0)][side] += 1;
     }
-    assert!(kinds.as_flattened().iter().all(|count| *count > 2), "kinds of samples: {kinds:?}");
+    assert!(
+        kinds.as_flattened().iter().all(|count| *count > 2),
+        "kinds of samples: {kinds:?}"
+    );
 }
 
 /// Compares the gradients of the parameters with central differences of `loss`; of large layers,

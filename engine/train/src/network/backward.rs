@@ -15,7 +15,11 @@ impl Network {
         workspace: &mut Workspace,
         result_gradients: &[Column],
     ) {
-        let Workspace { activations, gradients: [current, previous], .. } = workspace;
+        let Workspace {
+            activations,
+            gradients: [current, previous],
+            ..
+        } = workspace;
         let mut current = &mut current[..];
         let mut previous = &mut previous[..];
         let last = self.hidden.len() - 1;
@@ -30,7 +34,11 @@ impl Network {
                 &mut current[..size],
                 bias_gradients,
             );
-            let layer_inputs = if l == 0 { inputs } else { &activations[l - 1][..] };
+            let layer_inputs = if l == 0 {
+                inputs
+            } else {
+                &activations[l - 1][..]
+            };
             self.weight_gradients(samples, &layer, layer_inputs, current);
             if l > 0 {
                 self.input_gradients(samples, &layer, current, previous);
@@ -54,14 +62,36 @@ impl Network {
         }
         let (values, stride) = (result_gradients.as_flattened(), BLOCK);
 
-        let shape = Shape { rows: layer.rows, depth: samples, columns: layer.columns };
+        let shape = Shape {
+            rows: layer.rows,
+            depth: samples,
+            columns: layer.columns,
+        };
         let sums = &mut self.gradients[layer.weights.clone()];
-        multiply(self.unit, shape, Left::Rows { values, stride }, inputs, Start::Sum, sums);
+        multiply(
+            self.unit,
+            shape,
+            Left::Rows { values, stride },
+            inputs,
+            Start::Sum,
+            sums,
+        );
 
-        let shape = Shape { rows: samples, depth: layer.rows, columns: layer.columns };
+        let shape = Shape {
+            rows: samples,
+            depth: layer.rows,
+            columns: layer.columns,
+        };
         let left = Left::Columns { values, stride };
         let weights = &self.parameters[layer.weights.clone()];
-        multiply(self.unit, shape, left, weights, Start::Zero, input_gradients);
+        multiply(
+            self.unit,
+            shape,
+            left,
+            weights,
+            Start::Zero,
+            input_gradients,
+        );
     }
 
     /// Adds inputsᵀ · gradients.
@@ -72,8 +102,15 @@ impl Network {
         inputs: &[f32],
         gradients: &[f32],
     ) {
-        let shape = Shape { rows: layer.rows, depth: samples, columns: layer.columns };
-        let left = Left::Columns { values: inputs, stride: layer.rows };
+        let shape = Shape {
+            rows: layer.rows,
+            depth: samples,
+            columns: layer.columns,
+        };
+        let left = Left::Columns {
+            values: inputs,
+            stride: layer.rows,
+        };
         let sums = &mut self.gradients[layer.weights.clone()];
         multiply(self.unit, shape, left, gradients, Start::Sum, sums);
     }
@@ -86,9 +123,23 @@ impl Network {
         gradients: &[f32],
         input_gradients: &mut [f32],
     ) {
-        let shape = Shape { rows: samples, depth: layer.columns, columns: layer.rows };
-        let left = Left::Rows { values: gradients, stride: layer.columns };
+        let shape = Shape {
+            rows: samples,
+            depth: layer.columns,
+            columns: layer.rows,
+        };
+        let left = Left::Rows {
+            values: gradients,
+            stride: layer.columns,
+        };
         let weights = &self.copies[layer.copy.clone()];
-        multiply(self.unit, shape, left, weights, Start::Zero, input_gradients);
+        multiply(
+            self.unit,
+            shape,
+            left,
+            weights,
+            Start::Zero,
+            input_gradients,
+        );
     }
 }

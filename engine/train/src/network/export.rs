@@ -29,10 +29,14 @@ impl Network {
 
     fn layers_of(&self, buffer: &[f32]) -> Vec<DenseLayer> {
         let hidden = self.hidden.iter().map(|layer| {
-            plain(buffer, layer, |input, output| input * layer.columns + output)
+            plain(buffer, layer, |input, output| {
+                input * layer.columns + output
+            })
         });
         let layer = &self.output;
-        let output = plain(buffer, layer, |input, output| output * layer.columns + input);
+        let output = plain(buffer, layer, |input, output| {
+            output * layer.columns + input
+        });
         hidden.chain([output]).collect()
     }
 }
@@ -45,7 +49,9 @@ fn plain(buffer: &[f32], layer: &Layer, place: impl Fn(usize, usize) -> usize) -
     DenseLayer {
         inputs: layer.inputs,
         outputs: layer.outputs,
-        weights: order.map(|(input, output)| stored[place(input, output)]).collect(),
+        weights: order
+            .map(|(input, output)| stored[place(input, output)])
+            .collect(),
         bias: buffer[layer.bias.clone()][..layer.outputs].to_vec(),
     }
 }

@@ -34,20 +34,33 @@ fn orthonormal(rows: usize, columns: usize, generator: &mut impl Rng) -> Vec<f64
     let (count, length) = (rows.min(columns), rows.max(columns));
     let mut vectors: Vec<Vec<f64>> = Vec::with_capacity(count);
     for _ in 0..count {
-        let mut vector: Vec<f64> = (0..length).map(|_| generator.sample(StandardNormal)).collect();
+        let mut vector: Vec<f64> = (0..length)
+            .map(|_| generator.sample(StandardNormal))
+            .collect();
         // Gram and Schmidt's method; the second pass removes what rounding left of the first.
         for _ in 0..2 {
             for other in &vectors {
                 let along = dot(&vector, other);
-                vector.iter_mut().zip(other).for_each(|(x, y)| *x -= along * y);
+                vector
+                    .iter_mut()
+                    .zip(other)
+                    .for_each(|(x, y)| *x -= along * y);
             }
         }
         let norm = dot(&vector, &vector).sqrt();
         vector.iter_mut().for_each(|x| *x /= norm);
         vectors.push(vector);
     }
-    let at = |r: usize, c: usize| if rows <= columns { vectors[r][c] } else { vectors[c][r] };
-    (0..rows * columns).map(|i| at(i / columns, i % columns)).collect()
+    let at = |r: usize, c: usize| {
+        if rows <= columns {
+            vectors[r][c]
+        } else {
+            vectors[c][r]
+        }
+    };
+    (0..rows * columns)
+        .map(|i| at(i / columns, i % columns))
+        .collect()
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -72,7 +85,10 @@ mod tests {
                 for w in 0..count {
                     let product: f64 = (0..length).map(|i| at(v, i) * at(w, i)).sum();
                     let expected = if v == w { 1.0 } else { 0.0 };
-                    assert!((product - expected).abs() < 1e-12, "{rows}x{columns}: {v}·{w} = {product}");
+                    assert!(
+                        (product - expected).abs() < 1e-12,
+                        "{rows}x{columns}: {v}·{w} = {product}"
+                    );
                 }
             }
         }

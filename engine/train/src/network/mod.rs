@@ -64,7 +64,9 @@ impl Network {
     ) -> Self {
         let mut layout = Layout::default();
         let last = widths.len() - 2;
-        let hidden = (0..last).map(|l| layout.hidden(l == 0, widths[l], widths[l + 1])).collect();
+        let hidden = (0..last)
+            .map(|l| layout.hidden(l == 0, widths[l], widths[l + 1]))
+            .collect();
         let output = layout.output(widths[last], widths[last + 1]);
         let mut network = Self {
             unit,
@@ -110,8 +112,15 @@ impl Network {
             let (before, from) = workspace.activations.split_at_mut(l);
             let values = before.last().map_or(inputs, |activations| &activations[..]);
             let activations = &mut from[0][..samples * layer.columns];
-            let shape = Shape { rows: samples, depth: layer.rows, columns: layer.columns };
-            let left = Left::Rows { values, stride: layer.rows };
+            let shape = Shape {
+                rows: samples,
+                depth: layer.rows,
+                columns: layer.columns,
+            };
+            let left = Left::Rows {
+                values,
+                stride: layer.rows,
+            };
             let bias = Start::Row(&self.parameters[layer.bias.clone()]);
             let weights = &self.parameters[layer.weights.clone()];
             multiply(self.unit, shape, left, weights, bias, activations);
@@ -119,12 +128,26 @@ impl Network {
         }
         let layer = &self.output;
         let columns = padded(layer.rows);
-        let shape = Shape { rows: samples, depth: layer.columns, columns };
+        let shape = Shape {
+            rows: samples,
+            depth: layer.columns,
+            columns,
+        };
         let values = &workspace.activations[self.hidden.len() - 1];
-        let left = Left::Rows { values, stride: layer.columns };
+        let left = Left::Rows {
+            values,
+            stride: layer.columns,
+        };
         let bias = Start::Row(&self.parameters[layer.bias.clone()]);
         let weights = &self.copies[layer.copy.clone()];
-        multiply(self.unit, shape, left, weights, bias, &mut workspace.results);
+        multiply(
+            self.unit,
+            shape,
+            left,
+            weights,
+            bias,
+            &mut workspace.results,
+        );
         let rows = workspace.results.chunks_exact(columns).take(samples);
         for (sample, row) in rows.enumerate() {
             for (result, value) in results.iter_mut().zip(row) {
@@ -147,18 +170,37 @@ impl Layout {
         let columns = padded(outputs);
         let copy = if first { 0 } else { rows * columns };
         let (weights, bias) = self.parameters(rows * columns, columns);
-        Layer { inputs, outputs, rows, columns, weights, bias, copy: take(&mut self.copies, copy) }
+        Layer {
+            inputs,
+            outputs,
+            rows,
+            columns,
+            weights,
+            bias,
+            copy: take(&mut self.copies, copy),
+        }
     }
 
     fn output(&mut self, inputs: usize, outputs: usize) -> Layer {
         let (rows, columns) = (outputs, padded(inputs));
         let (weights, bias) = self.parameters(rows * columns, padded(outputs));
         let copy = take(&mut self.copies, columns * padded(rows));
-        Layer { inputs, outputs, rows, columns, weights, bias, copy }
+        Layer {
+            inputs,
+            outputs,
+            rows,
+            columns,
+            weights,
+            bias,
+            copy,
+        }
     }
 
     fn parameters(&mut self, weights: usize, bias: usize) -> (Range<usize>, Range<usize>) {
-        (take(&mut self.parameters, weights), take(&mut self.parameters, bias))
+        (
+            take(&mut self.parameters, weights),
+            take(&mut self.parameters, bias),
+        )
     }
 }
 

@@ -19,9 +19,18 @@ pub(crate) struct Workspace {
 impl Workspace {
     pub(crate) fn new(network: &Network) -> Self {
         let block = |width: usize| Buffer::zeros(BLOCK * width);
-        let widest = network.hidden.iter().map(|layer| layer.columns).max().unwrap_or(0);
+        let widest = network
+            .hidden
+            .iter()
+            .map(|layer| layer.columns)
+            .max()
+            .unwrap_or(0);
         Self {
-            activations: network.hidden.iter().map(|layer| block(layer.columns)).collect(),
+            activations: network
+                .hidden
+                .iter()
+                .map(|layer| block(layer.columns))
+                .collect(),
             results: block(padded(network.outputs())),
             gradients: [block(widest), block(widest)],
         }

@@ -42,7 +42,9 @@ impl Corridor {
     pub fn new(count: usize, seed: u64) -> Self {
         let mut generator = rng::stream(seed, "corridor");
         Self {
-            places: (0..count).map(|_| generator.random_range(0..STATES)).collect(),
+            places: (0..count)
+                .map(|_| generator.random_range(0..STATES))
+                .collect(),
             steps: vec![0; count],
             last: vec![0; count],
             generator,
@@ -61,13 +63,22 @@ impl Corridor {
         if action == 0 && !self.pays_every_step {
             let success = place == GOAL;
             let reward = if success { 1.0 } else { -1.0 };
-            return StepOutcome { reward, end: Some(End::Terminated), success, violation: false };
+            return StepOutcome {
+                reward,
+                end: Some(End::Terminated),
+                success,
+                violation: false,
+            };
         }
         let slips = self.generator.random_bool(SLIP);
         self.places[index] = moved(place, (action == 2) != slips);
         let reward = if self.pays_every_step { 1.0 } else { -0.01 };
         let end = (self.steps[index] + 1 == LONGEST).then_some(End::Truncated);
-        StepOutcome { reward, end, ..StepOutcome::default() }
+        StepOutcome {
+            reward,
+            end,
+            ..StepOutcome::default()
+        }
     }
 }
 
@@ -104,7 +115,11 @@ impl Environments for Corridor {
             return Err(Closed);
         }
         for (i, (action, outcome)) in actions.iter().zip(outcomes.iter_mut()).enumerate() {
-            assert!(mask(self.places[i])[*action], "{action} is masked at {}", self.places[i]);
+            assert!(
+                mask(self.places[i])[*action],
+                "{action} is masked at {}",
+                self.places[i]
+            );
             *outcome = self.walk(i, *action);
             self.steps[i] += 1;
             if outcome.end.is_some() {
@@ -133,7 +148,11 @@ fn mask(place: usize) -> [bool; ACTIONS] {
 }
 
 fn moved(place: usize, up: bool) -> usize {
-    if up { (place + 1).min(STATES - 1) } else { place.saturating_sub(1) }
+    if up {
+        (place + 1).min(STATES - 1)
+    } else {
+        place.saturating_sub(1)
+    }
 }
 
 pub fn all_features() -> Vec<f32> {
@@ -151,8 +170,7 @@ fn worth(place: usize, action: usize, values: &[f64]) -> f64 {
         0 => -1.0,
         _ => {
             let up = action == 2;
-            let next =
-                (1.0 - SLIP) * values[moved(place, up)] + SLIP * values[moved(place, !up)];
+            let next = (1.0 - SLIP) * values[moved(place, up)] + SLIP * values[moved(place, !up)];
             -0.01 + f64::from(DISCOUNT) * next
         }
     }
@@ -170,7 +188,9 @@ fn iterate(choose: impl Fn(usize, &[f64]) -> f64) -> f64 {
 pub fn value_iteration() -> f64 {
     iterate(|place, values| {
         let allowed = (0..ACTIONS).filter(|action| mask(place)[*action]);
-        allowed.map(|action| worth(place, action, values)).fold(f64::MIN, f64::max)
+        allowed
+            .map(|action| worth(place, action, values))
+            .fold(f64::MIN, f64::max)
     })
 }
 

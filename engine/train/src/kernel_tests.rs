@@ -1,11 +1,11 @@
 //! Each kernel on each unit of this machine against the same thing in `f64`.
 
-use super::exponential::{exp, ln};
-use super::matrix::{LANES, Left, Shape, Start, multiply, padded};
-use super::sum::sum_of_squares;
-use super::tanh::{apply_tanh, backward_tanh};
-use super::transpose::transpose;
-use super::unit::{Arithmetic, VectorUnit, dispatched};
+use crate::kernels::exponential::{exp, ln};
+use crate::kernels::matrix::{LANES, Left, Shape, Start, multiply, padded};
+use crate::kernels::sum::sum_of_squares;
+use crate::kernels::tanh::{apply_tanh, backward_tanh};
+use crate::kernels::transpose::transpose;
+use crate::kernels::unit::{Arithmetic, VectorUnit, dispatched};
 use rand::RngExt;
 
 dispatched! {
@@ -14,7 +14,9 @@ dispatched! {
 
 #[inline(always)]
 fn apply_exp_body<A: Arithmetic>(values: &mut [f32]) {
-    values.iter_mut().for_each(|value| *value = exp::<A>(*value));
+    values
+        .iter_mut()
+        .for_each(|value| *value = exp::<A>(*value));
 }
 
 dispatched! {
@@ -28,7 +30,9 @@ fn apply_ln_body<A: Arithmetic>(values: &mut [f32]) {
 
 fn random(count: usize, name: &str) -> Vec<f32> {
     let mut generator = crate::rng::stream(7, name);
-    (0..count).map(|_| generator.random_range(-1.0..1.0)).collect()
+    (0..count)
+        .map(|_| generator.random_range(-1.0..1.0))
+        .collect()
 }
 
 #[test]
@@ -40,14 +44,28 @@ fn units_have_names_that_find_them() {
     assert_eq!(VectorUnit::by_name("abacus"), None);
 }
 
-type Kernel = fn(VectorUnit, &mut [f32]);
+/// Name, kernel, truth, range, and the error allowed relative to max(floor, |truth|).
+type Case = (
+    &'static str,
+    fn(VectorUnit, &mut [f32]),
+    fn(f64) -> f64,
+    (f64, f64),
+    f64,
+    f64,
+);
 
 #[test]
 fn functions_match_f64_over_a_dense_range() {
-    // Name, kernel, truth, range, and the error allowed relative to max(floor, |truth|).
-    let cases: [(&str, Kernel, fn(f64) -> f64, (f64, f64), f64, f64); 4] = [
+    let cases: [Case; 4] = [
         ("tanh", apply_tanh, f64::tanh, (-12.0, 12.0), 4e-7, 0.0),
-        ("tanh near 0", apply_tanh, f64::tanh, (-1e-3, 1e-3), 4e-7, 0.0),
+        (
+            "tanh near 0",
+            apply_tanh,
+            f64::tanh,
+            (-1e-3, 1e-3),
+            4e-7,
+            0.0,
+        ),
         ("exp", apply_exp, f64::exp, (-86.9, 87.9), 2e-7, 0.0),
         ("ln", apply_ln, f64::ln, (1e-6, 50.0), 1.2e-7, 1.0),
     ];
@@ -85,22 +103,38 @@ fn tanh_saturates_and_keeps_nan() {
 #[test]
 fn products_match_f64() {
     // Rows that fill tiles and rows that do not; every width of panel.
-    for (rows, depth, columns) in
-        [(64, 64, 64), (1, 3, 64), (5, 64, 128), (13, 17, 16), (8, 1, 48), (31, 70, 112)]
-    {
-        let shape = Shape { rows, depth, columns };
+    for (rows, depth, columns) in [
+        (64, 64, 64),
+        (1, 3, 64),
+        (5, 64, 128),
+        (13, 17, 16),
+        (8, 1, 48),
+        (31, 70, 112),
+    ] {
+        let shape = Shape {
+            rows,
+            depth,
+            columns,
+        };
         let (a, b) = (random(rows * depth, "a"), random(depth * columns, "b"));
         let (first, before) = (random(columns, "first"), random(rows * columns, "before"));
-        let a_columns: Vec<f32> =
-            (0..rows * depth).map(|i| a[(i % rows) * depth + i / rows]).collect();
+        let a_columns: Vec<f32> = (0..rows * depth)
+            .map(|i| a[(i % rows) * depth + i / rows])
+            .collect();
         let exact = |m: usize, n: usize, start: f32| {
             let product = |k| f64::from(a[m * depth + k]) * f64::from(b[k * columns + n]);
             f64::from(start) + (0..depth).map(product).sum::<f64>()
         };
         for unit in VectorUnit::available() {
             for left in [
-                Left::Rows { values: &a, stride: depth },
-                Left::Columns { values: &a_columns, stride: rows },
+                Left::Rows {
+                    values: &a,
+                    stride: depth,
+                },
+                Left::Columns {
+                    values: &a_columns,
+                    stride: rows,
+                },
             ] {
                 for start in [Start::Zero, Start::Row(&first), Start::Sum] {
                     let mut c = before.clone();
@@ -133,8 +167,15 @@ fn transposes_of_any_height() {
             transpose(unit, rows, columns, &matrix, &mut transposed);
             for (i, value) in transposed.iter().enumerate() {
                 let (c, r) = (i / stride, i % stride);
-                let expected = if r < rows { matrix[r * columns + c] } else { 0.0 };
-                assert_eq!(*value, expected, "{unit} {rows}x{columns}: row {r}, column {c}");
+                let expected = if r < rows {
+                    matrix[r * columns + c]
+                } else {
+                    0.0
+                };
+                assert_eq!(
+                    *value, expected,
+                    "{unit} {rows}x{columns}: row {r}, column {c}"
+                );
             }
         }
     }
@@ -150,11 +191,18 @@ fn tanh_gradients_and_their_sums() {
         backward_tanh(unit, &outputs, &mut found, &mut sums);
         for i in 0..samples * width {
             let expected = gradients[i] * (1.0 - outputs[i] * outputs[i]);
-            assert!((found[i] - expected).abs() < 1e-6, "{unit}: {i}: {} {expected}", found[i]);
+            assert!(
+                (found[i] - expected).abs() < 1e-6,
+                "{unit}: {i}: {} {expected}",
+                found[i]
+            );
         }
         for (column, sum) in sums.iter().enumerate() {
             let expected: f32 = (0..samples).map(|s| found[s * width + column]).sum();
-            assert!((sum - 1.0 - expected).abs() < 1e-5, "{unit}: column {column}");
+            assert!(
+                (sum - 1.0 - expected).abs() < 1e-5,
+                "{unit}: column {column}"
+            );
         }
     }
 }

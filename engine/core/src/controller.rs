@@ -64,7 +64,11 @@ impl Control {
             return speed - speed.clamp(-braking, braking);
         }
         let slowing = target.abs() < speed.abs();
-        let step = if slowing { braking } else { self.acceleration_m_s2 / self.rate_hz };
+        let step = if slowing {
+            braking
+        } else {
+            self.acceleration_m_s2 / self.rate_hz
+        };
         speed + (target - speed).clamp(-step, step)
     }
 }

@@ -145,8 +145,8 @@ fn posterior_agrees_with_a_brute_force_grid() {
     for unit in VectorUnit::available() {
         for (grid, gaussian) in [(true, true), (false, true), (false, false)] {
             let mut filter = Filter::on(unit, &task, Arc::new(Hump::new(grid, gaussian)));
-            let spacing = 2.0 / PARTICLES as f64;
-            let mut states: Vec<f64> = (0..PARTICLES).map(|i| (i as f64 + 0.5) * spacing).collect();
+            let spacing = 2.0 / (PARTICLES - 1) as f64;
+            let mut states: Vec<f64> = (0..PARTICLES).map(|i| i as f64 * spacing).collect();
             let mut logs = vec![0.0_f64; PARTICLES];
             for (step, (displacement, force, moved)) in story().into_iter().enumerate() {
                 let update = filter
@@ -191,8 +191,9 @@ fn posterior_agrees_with_a_brute_force_grid() {
 
 #[test]
 fn first_update_agrees_with_bayes_by_hand() {
-    // Two particles at 0.5 and 1.5; blocked: p(m_p = 0) is 0.02 at both, so force alone decides.
-    let task = common::door(2);
+    // Two particles, at 0.5 and 1.5; blocked: p(m_p = 0) is 0.02 at both, so force alone decides.
+    let mut task = common::door(2);
+    task.joint.start = (0.5, 1.5);
     let mut filter = Filter::new(&task, Arc::new(Hump::new(false, true)));
     filter.update(1, 0.0, &[4.0, 0.0]).unwrap();
     // mean(0.5) = 12·e^-0.5 + 1 = 8.2784, sigma 0.7: z = -6.1120; mean(1.5) = 3 (hump 1e-26), sigma 0.9: z = 1.1111
@@ -318,7 +319,7 @@ fn shield_masks_high_force_near_its_limit_only() {
         shield::allowed(Some(&task.policy.shield), &task, &filter, &mut allowed);
         assert_eq!(allowed, expected, "{name}: {:?}", filter.summary());
     }
-    let mut filter = Filter::new(&task, Arc::new(Hump::new(true, true)));
+    let filter = Filter::new(&task, Arc::new(Hump::new(true, true)));
     shield::allowed(None, &task, &filter, &mut allowed);
     assert_eq!(allowed, [true; 5], "without a shield everything is allowed");
 }

@@ -60,7 +60,7 @@ pub struct Evaluation {
     pub safety_violations: u64,
     /// Trials that reached the cap.
     pub time_outs: u64,
-    /// Stops outside the goal region.
+    /// Stops outside the goal region, and trials in which the belief broke down.
     pub failed_stops: u64,
     /// Mean |s − s_g| of the trials that stopped; null where none did.
     pub mean_goal_error: Option<f64>,
@@ -165,7 +165,7 @@ fn sum_up<'t>(trials: impl Iterator<Item = &'t Trial>, time_s: f64) -> Evaluatio
         }
         *match trial.stopped {
             Some(Stopped::Reached) => &mut reached,
-            Some(Stopped::Missed) => &mut missed,
+            Some(Stopped::Missed | Stopped::Lost) => &mut missed,
             Some(Stopped::Violated) => &mut violated,
             None => &mut time_outs,
         } += 1;

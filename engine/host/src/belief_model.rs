@@ -14,11 +14,21 @@ impl Model for ModelInstance {
         Self::channels(self)
     }
 
-    fn moments(&self, transitions: Transitions<'_>, mean: &mut [f32], sigma: &mut [f32]) -> Result<Support, ModelError> {
+    fn moments(
+        &self,
+        transitions: Transitions<'_>,
+        mean: &mut [f32],
+        sigma: &mut [f32],
+    ) -> Result<Support, ModelError> {
         Self::moments(self, transitions, mean, sigma).map_err(said)
     }
 
-    fn moments_grid(&self, grid: GridTransitions, mean: &mut [f32], sigma: &mut [f32]) -> Result<Support, ModelError> {
+    fn moments_grid(
+        &self,
+        grid: GridTransitions,
+        mean: &mut [f32],
+        sigma: &mut [f32],
+    ) -> Result<Support, ModelError> {
         Self::moments_grid(self, grid, mean, sigma).map_err(said)
     }
 

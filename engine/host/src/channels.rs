@@ -12,47 +12,50 @@ use crate::call::{Failure, demand, filled_text};
 /// More channels than any observation has.
 const MOST_CHANNELS: usize = 64;
 
-    /// The components of an instance's observations, checked.
-    pub(crate) fn ask(table: &ObservationModelTable, handle: *mut c_void) -> Result<Vec<Channel>, Failure> {
-        let function = table.channels.ok_or(Failure::Absent)?;
-        let mut entries = [ChannelEntry {
-            name: [0; CHANNEL_NAME_BYTES],
-            kind: u32::MAX,
-        }; MOST_CHANNELS];
-        let mut count = 0;
-        // SAFETY: the handle is alive and the array has MOST_CHANNELS entries.
-        demand(|error, capacity| unsafe {
-            function(
-                handle,
-                entries.as_mut_ptr(),
-                MOST_CHANNELS,
-                &mut count,
-                error,
-                capacity,
-            )
-        })?;
-        if count == 0 || count > MOST_CHANNELS {
+/// The components of an instance's observations, checked.
+pub(crate) fn ask(
+    table: &ObservationModelTable,
+    handle: *mut c_void,
+) -> Result<Vec<Channel>, Failure> {
+    let function = table.channels.ok_or(Failure::Absent)?;
+    let mut entries = [ChannelEntry {
+        name: [0; CHANNEL_NAME_BYTES],
+        kind: u32::MAX,
+    }; MOST_CHANNELS];
+    let mut count = 0;
+    // SAFETY: the handle is alive and the array has MOST_CHANNELS entries.
+    demand(|error, capacity| unsafe {
+        function(
+            handle,
+            entries.as_mut_ptr(),
+            MOST_CHANNELS,
+            &mut count,
+            error,
+            capacity,
+        )
+    })?;
+    if count == 0 || count > MOST_CHANNELS {
+        return Err(Failure::Value(format!(
+            "a model has 1 to {MOST_CHANNELS} channels, this one {count}"
+        )));
+    }
+    let channels: Vec<Channel> = entries[..count]
+        .iter()
+        .map(channel)
+        .collect::<Result<_, _>>()?;
+    for (index, channel) in channels.iter().enumerate() {
+        if channels[..index]
+            .iter()
+            .any(|other| other.name == channel.name)
+        {
             return Err(Failure::Value(format!(
-                "a model has 1 to {MOST_CHANNELS} channels, this one {count}"
+                "two channels are named `{}`",
+                channel.name
             )));
         }
-        let channels: Vec<Channel> = entries[..count]
-            .iter()
-            .map(channel)
-            .collect::<Result<_, _>>()?;
-        for (index, channel) in channels.iter().enumerate() {
-            if channels[..index]
-                .iter()
-                .any(|other| other.name == channel.name)
-            {
-                return Err(Failure::Value(format!(
-                    "two channels are named `{}`",
-                    channel.name
-                )));
-            }
-        }
-        Ok(channels)
     }
+    Ok(channels)
+}
 
 fn channel(entry: &ChannelEntry) -> Result<Channel, Failure> {
     let bytes = entry.name.map(|character| character as u8);

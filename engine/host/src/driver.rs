@@ -71,8 +71,10 @@ impl DriverPlugin {
         let open = self.table.open.ok_or_else(|| failed(Failure::Absent))?;
         let mut handle = std::ptr::null_mut();
         // SAFETY: `open` of a checked table; the arguments are as the header says.
-        demand(|error, capacity| unsafe { open(json.as_ptr(), json.len(), &mut handle, error, capacity) })
-            .map_err(failed)?;
+        demand(|error, capacity| unsafe {
+            open(json.as_ptr(), json.len(), &mut handle, error, capacity)
+        })
+        .map_err(failed)?;
         let mut instance = DriverInstance {
             plugin: Arc::clone(&self.plugin),
             table: self.table,

@@ -291,12 +291,26 @@ impl ModelInstance {
         mean: &mut [f32],
         sigma: &mut [f32],
     ) -> Result<Support, Failure> {
-        let Some(moments) = self.table.moments else { return Ok(Support::Absent) };
+        let Some(moments) = self.table.moments else {
+            return Ok(Support::Absent);
+        };
         let count = after.len().min(before.len());
         call(|error, capacity| {
             let (mean, sigma) = (mean.as_mut_ptr(), sigma.as_mut_ptr());
             // SAFETY: the handle is alive; the caller's outputs have room for every channel.
-            unsafe { moments(self.handle, action, before.as_ptr(), after.as_ptr(), count, mean, sigma, error, capacity) }
+            unsafe {
+                moments(
+                    self.handle,
+                    action,
+                    before.as_ptr(),
+                    after.as_ptr(),
+                    count,
+                    mean,
+                    sigma,
+                    error,
+                    capacity,
+                )
+            }
         })
     }
 

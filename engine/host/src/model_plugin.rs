@@ -65,11 +65,16 @@ impl ModelPlugin {
             plugin: self.plugin.name().to_owned(),
             message: error.to_string(),
         })?;
-        let create = self.table.create.ok_or_else(|| self.failed("create", Failure::Absent))?;
+        let create = self
+            .table
+            .create
+            .ok_or_else(|| self.failed("create", Failure::Absent))?;
         let mut handle = std::ptr::null_mut();
         // SAFETY: `create` of a checked table; the arguments are as the header says.
-        demand(|error, capacity| unsafe { create(json.as_ptr(), json.len(), &mut handle, error, capacity) })
-            .map_err(|failure| self.failed("create", failure))?;
+        demand(|error, capacity| unsafe {
+            create(json.as_ptr(), json.len(), &mut handle, error, capacity)
+        })
+        .map_err(|failure| self.failed("create", failure))?;
         let mut instance = ModelInstance {
             plugin: Arc::clone(&self.plugin),
             table: self.table,
@@ -82,8 +87,8 @@ impl ModelPlugin {
                 .collect(),
             gaussian: true,
         };
-        instance.channels = ask(self.table, handle)
-            .map_err(|failure| self.failed("channels", failure))?;
+        instance.channels =
+            ask(self.table, handle).map_err(|failure| self.failed("channels", failure))?;
         Ok(instance)
     }
 

@@ -21,7 +21,7 @@ pub(crate) fn sweep(model: &ModelInstance, setup: &ModelSetup) -> Result<bool, H
         };
         let answered = match moments(model, transitions)? {
             Support::Given => true,
-            // Nothing is observed after an action that ends the episode.
+            // Nothing is observed after an action that ends the episode; an answer is not needed.
             Support::Absent if described.stop => continue,
             Support::Absent => {
                 density(model, transitions)?;

@@ -109,7 +109,9 @@ typedef struct pubs_channel {
  * returns PUBS_ABSENT from moments and provides log_likelihood and sample.
  *
  * N hypotheses about one move are given as the states before[N] and after[N] it. States lie inside
- * the limits.
+ * the limits. An action that the setup does not have is answered with PUBS_ERROR.
+ *
+ * An action with "stop" ends the episode: answer with any numbers that keep the rules, or PUBS_ABSENT.
  */
 typedef struct pubs_observation_model_table {
     uint32_t size;     /* sizeof(pubs_observation_model_table) */

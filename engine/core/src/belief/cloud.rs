@@ -1,6 +1,7 @@
 //! Where the particles are.
 
-use crate::Joint;
+use crate::vector::{VectorUnit, multiply_add};
+use crate::{Joint, for_each_vector_unit};
 
 /// N particles that started evenly over the prior and have moved together ever since, each
 /// staying at a limit that it was pushed past; always in ascending order.
@@ -10,6 +11,7 @@ use crate::Joint;
 /// answer for the whole grid without look-ups.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cloud {
+    unit: VectorUnit,
     first: f64,
     spacing: f64,
     low: f64,
@@ -20,19 +22,25 @@ pub struct Cloud {
 }
 
 impl Cloud {
-    /// The prior: `particles` strata of equal mass, each represented by its middle; on an integer
-    /// joint rounded, so that every state has as many particles as any other, give or take one.
+    /// The prior, covered evenly from end to end: joints are often left at a limit, and a particle
+    /// must be there. On an integer joint each state has as many particles as any other, give or
+    /// take one.
     pub fn new(joint: &Joint, particles: usize) -> Self {
+        Self::on(VectorUnit::detect(), joint, particles)
+    }
+
+    /// The same, computed on a chosen vector unit.
+    pub fn on(unit: VectorUnit, joint: &Joint, particles: usize) -> Self {
         let (from, to) = joint.start;
         let integer = joint.is_integer();
-        let (from, to) = if integer {
-            (from - 0.5, to + 0.5)
+        let spacing = if integer {
+            (to - from + 1.0) / particles as f64
         } else {
-            (from, to)
+            (to - from) / (particles - 1) as f64
         };
-        let spacing = (to - from) / particles as f64;
         let mut cloud = Self {
-            first: from + 0.5 * spacing,
+            unit,
+            first: from,
             spacing,
             low: joint.lower,
             high: joint.upper,
@@ -42,9 +50,9 @@ impl Cloud {
         };
         if integer {
             for (index, state) in cloud.states.iter_mut().enumerate() {
-                *state = (cloud.first + index as f64 * spacing)
-                    .round()
-                    .clamp(joint.lower, joint.upper) as f32;
+                // Each whole number owns the half-unit on either side of it.
+                let place = from - 0.5 + (index as f64 + 0.5) * spacing;
+                *state = place.round().clamp(joint.lower, joint.upper) as f32;
             }
         } else {
             cloud.place();
@@ -97,12 +105,35 @@ impl Cloud {
 
     fn place(&mut self) {
         let (first, spacing) = (self.first as f32, self.spacing as f32);
-        let (low, high) = (self.low as f32, self.high as f32);
-        for (index, state) in self.states.iter_mut().enumerate() {
-            // `max` and `min` rather than `clamp`: no panic path, so the loop becomes vector code.
-            *state = (index as f32 * spacing + first).max(low).min(high);
-        }
+        place_on_grid(
+            self.unit,
+            &mut self.states,
+            first,
+            spacing,
+            self.low as f32,
+            self.high as f32,
+        );
     }
+}
+
+#[inline(always)]
+fn place_body<const FUSED: bool>(
+    states: &mut [f32],
+    first: f32,
+    spacing: f32,
+    low: f32,
+    high: f32,
+) {
+    for (index, state) in states.iter_mut().enumerate() {
+        let place = multiply_add::<FUSED>(index as i32 as f32, spacing, first);
+        // Not `clamp`, which may panic and so keeps the loop from becoming vector code.
+        *state = place.max(low).min(high);
+    }
+}
+
+for_each_vector_unit! {
+    /// Places particle i at clamp(first + i·spacing, low, high).
+    fn place_on_grid(states: &mut [f32], first: f32, spacing: f32, low: f32, high: f32) = place_body
 }
 
 #[cfg(test)]
@@ -177,8 +208,8 @@ mod tests {
     }
 
     #[test]
-    fn strata_cover_the_prior_evenly() {
+    fn particles_cover_the_prior_from_end_to_end() {
         let cloud = Cloud::new(&joint(false), 5);
-        assert_eq!(cloud.states(), [1.0, 3.0, 5.0, 7.0, 9.0]);
+        assert_eq!(cloud.states(), [0.0, 2.5, 5.0, 7.5, 10.0]);
     }
 }

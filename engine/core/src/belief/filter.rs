@@ -134,7 +134,7 @@ impl Filter {
     /// The same on a chosen vector unit.
     pub fn on(unit: VectorUnit, task: &Task, model: Arc<dyn Model>) -> Self {
         let particles = task.belief.particles;
-        let prior = Cloud::new(&task.joint, particles);
+        let prior = Cloud::on(unit, &task.joint, particles);
         let channels = model.channels().len();
         let mut filter = Self {
             model,
@@ -225,8 +225,8 @@ impl Filter {
         f64::from(mass)
     }
 
-    /// The central interval that holds `mass` of the belief: particles each stand for their
-    /// stratum, so that its ends lie half a particle spacing outwards.
+    /// The central interval that holds `mass` of the belief. Each particle stands for the states
+    /// nearest to it, so the ends lie half a particle spacing outwards.
     pub fn interval(&self, mass: f64) -> (f64, f64) {
         let tail = 0.5 * (1.0 - mass);
         let half = 0.5 * self.cloud.spacing();

@@ -37,9 +37,7 @@ for_each_vector_unit! {
 #[inline(always)]
 fn bernoulli_body<const FUSED: bool>(log_weights: &mut [f32], probability: &[f32], observed: bool) {
     for (log_weight, &probability) in log_weights.iter_mut().zip(probability) {
-        let of_one = probability
-            .max(LEAST_PROBABILITY)
-            .min(1.0 - LEAST_PROBABILITY);
+        let of_one = probability.clamp(LEAST_PROBABILITY, 1.0 - LEAST_PROBABILITY);
         let of_outcome = if observed { of_one } else { 1.0 - of_one };
         *log_weight += ln::<FUSED>(of_outcome);
     }

@@ -30,27 +30,44 @@ pub(super) fn garbage_setups(create: CreateFunction, end: PlainFunction) -> Resu
         });
         finish(instance, end);
         if let Err(failure @ (Failure::Panic(_) | Failure::Status(_))) = result {
-            return Err(format!("{name} as setup: {failure}; expected an error with its reason"));
+            return Err(format!(
+                "{name} as setup: {failure}; expected an error with its reason"
+            ));
         }
         small_buffer(create, end, name, json)?;
     }
-    Ok(format!("{} texts that are no setup, each answered by a status", SETUPS.len()))
+    Ok(format!(
+        "{} texts that are no setup, each answered by a status",
+        SETUPS.len()
+    ))
 }
 
 /// The error text must stay inside a small buffer, closed by a NUL; no buffer at all is allowed.
-fn small_buffer(create: CreateFunction, end: PlainFunction, name: &str, json: &[u8]) -> Result<(), String> {
+fn small_buffer(
+    create: CreateFunction,
+    end: PlainFunction,
+    name: &str,
+    json: &[u8],
+) -> Result<(), String> {
     let mut bytes = [UNTOUCHED; AROUND];
-    for (text, capacity) in [(bytes.as_mut_ptr().cast::<c_char>(), SMALL), (null_mut(), 0)] {
+    for (text, capacity) in [
+        (bytes.as_mut_ptr().cast::<c_char>(), SMALL),
+        (null_mut(), 0),
+    ] {
         let mut instance: *mut c_void = null_mut();
         // SAFETY: as above; the buffer is longer than said.
         let status = unsafe { create(json.as_ptr(), json.len(), &mut instance, text, capacity) };
         finish(instance, end);
         let failed = status == STATUS_ERROR || status == STATUS_PANIC;
         if failed && !text.is_null() && !bytes[..SMALL].contains(&0) {
-            return Err(format!("{name} as setup: the error text is not closed with NUL within {SMALL} bytes"));
+            return Err(format!(
+                "{name} as setup: the error text is not closed with NUL within {SMALL} bytes"
+            ));
         }
         if bytes[SMALL..].iter().any(|byte| *byte != UNTOUCHED) {
-            return Err(format!("{name} as setup: the error text is written beyond its {SMALL} bytes"));
+            return Err(format!(
+                "{name} as setup: the error text is written beyond its {SMALL} bytes"
+            ));
         }
     }
     Ok(())

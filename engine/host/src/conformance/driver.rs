@@ -21,13 +21,19 @@ const SETTLE_STEPS: u64 = 100;
 const REST_M: f64 = 1e-4;
 const REST_STEPS: u64 = 10;
 
-pub(super) fn check(report: &mut ConformanceReport, plugin: &DriverPlugin, own: Option<&DriverSetup>) {
+pub(super) fn check(
+    report: &mut ConformanceReport,
+    plugin: &DriverPlugin,
+    own: Option<&DriverSetup>,
+) {
     let general = setup::door_driver(plugin.plugin().name());
     let setup = own.unwrap_or(&general);
     if let (Some(open), Some(close)) = (plugin.table.open, plugin.table.close) {
         report.record("bad setup", bad_input::garbage_setups(open, close));
     }
-    let Some(mut driver) = report.made("open", plugin.open(setup), own.is_none()) else { return };
+    let Some(mut driver) = report.made("open", plugin.open(setup), own.is_none()) else {
+        return;
+    };
     report.record("sensor", Ok(format!("`{}`", driver.sensor())));
     report.record("read", read(&mut driver));
     report.record("truth", truth(&mut driver));
@@ -38,19 +44,34 @@ pub(super) fn check(report: &mut ConformanceReport, plugin: &DriverPlugin, own: 
         report.record("determinism", determinism(plugin, setup));
     } else {
         for name in ["virtual time", "expiry", "stop", "determinism"] {
-            report.skip(name, "a driver in real time may move a robot, so it is not moved here".to_owned());
+            report.skip(
+                name,
+                "a driver in real time may move a robot, so it is not moved here".to_owned(),
+            );
         }
     }
-    report.record("close", driver.close().map(|()| "closed".to_owned()).map_err(in_words));
+    report.record(
+        "close",
+        driver
+            .close()
+            .map(|()| "closed".to_owned())
+            .map_err(in_words),
+    );
 }
 
 fn read(driver: &mut DriverInstance) -> Result<String, String> {
     let first = driver.read().map_err(in_words)?;
     let second = driver.read().map_err(in_words)?;
     if second.time_ns < first.time_ns {
-        return Err(format!("time runs backwards: {} ns, then {} ns", first.time_ns, second.time_ns));
+        return Err(format!(
+            "time runs backwards: {} ns, then {} ns",
+            first.time_ns, second.time_ns
+        ));
     }
-    Ok(format!("finite, unit orientation, status {:?}", second.status))
+    Ok(format!(
+        "finite, unit orientation, status {:?}",
+        second.status
+    ))
 }
 
 fn truth(driver: &mut DriverInstance) -> Result<String, String> {
@@ -71,7 +92,10 @@ fn virtual_time(driver: &mut DriverInstance) -> Result<String, String> {
         return Err("two readings differ though virtual time stood still".to_owned());
     }
     if first.time_ns > later || first.time_ns < start {
-        return Err(format!("after advance_to({later}) from {start} the reading is of {} ns", first.time_ns));
+        return Err(format!(
+            "after advance_to({later}) from {start} the reading is of {} ns",
+            first.time_ns
+        ));
     }
     if driver.advance_to(later - 1).is_ok() {
         return Err("advance_to accepted a time in the past; expected an error".to_owned());
@@ -80,13 +104,21 @@ fn virtual_time(driver: &mut DriverInstance) -> Result<String, String> {
 }
 
 /// Commands a motion for a while, then lets it expire or stops it, and waits for rest.
-fn comes_to_rest(driver: &mut DriverInstance, setup: &DriverSetup, stop: bool) -> Result<String, String> {
-    let run = || -> Result<(Reading, Reading), HostError> {
+fn comes_to_rest(
+    driver: &mut DriverInstance,
+    setup: &DriverSetup,
+    stop: bool,
+) -> Result<String, String> {
+    let mut run = || -> Result<(Reading, Reading), HostError> {
         let start = driver.read()?;
         let twist = opening(setup, &start);
         let expires_ns = start.time_ns + COMMAND_STEPS * STEP_NS;
         // Stopped in mid-command: the expiry must not be what ends the motion.
-        let until = if stop { COMMAND_STEPS / 2 } else { COMMAND_STEPS };
+        let until = if stop {
+            COMMAND_STEPS / 2
+        } else {
+            COMMAND_STEPS
+        };
         let mut now = start.time_ns;
         for _ in 0..until {
             driver.command(twist, expires_ns)?;
@@ -112,9 +144,14 @@ fn comes_to_rest(driver: &mut DriverInstance, setup: &DriverSetup, stop: bool) -
         ));
     }
     if last.status == DriverStatus::Ready {
-        return Err(format!("one second after {cause} the status is still Ready; expected Stopped"));
+        return Err(format!(
+            "one second after {cause} the status is still Ready; expected Stopped"
+        ));
     }
-    Ok(format!("at rest one second after {cause}, status {:?}", last.status))
+    Ok(format!(
+        "at rest one second after {cause}, status {:?}",
+        last.status
+    ))
 }
 
 /// The same commands to two instances of one setup must give the same readings.
@@ -134,14 +171,19 @@ fn determinism(plugin: &DriverPlugin, setup: &DriverSetup) -> Result<String, Str
             now += STEP_NS;
             driver.advance_to(now)?;
             let reading = driver.read()?;
-            readings.push(Reading { time_ns: reading.time_ns - origin, ..reading });
+            readings.push(Reading {
+                time_ns: reading.time_ns - origin,
+                ..reading
+            });
         }
         driver.stop()?;
         Ok(readings)
     };
     let (first, second) = (run().map_err(in_words)?, run().map_err(in_words)?);
     match first.iter().zip(&second).position(|(a, b)| a != b) {
-        None => Ok("two instances with the same seed and commands give the same readings".to_owned()),
+        None => {
+            Ok("two instances with the same seed and commands give the same readings".to_owned())
+        }
         Some(step) => Err(format!(
             "two instances with the same seed and commands differ at step {step}: {:?} and {:?}",
             first[step], second[step]
@@ -153,13 +195,20 @@ fn determinism(plugin: &DriverPlugin, setup: &DriverSetup) -> Result<String, Str
 fn opening(setup: &DriverSetup, reading: &Reading) -> Twist {
     let direction = setup.joint.opening_direction.unwrap_or([1.0, 0.0, 0.0]);
     let base = rotated(reading.orientation_xyzw, direction);
-    Twist { linear_m_s: base.map(|part| part * setup.control.safe_speed_m_s), angular_rad_s: [0.0; 3] }
+    Twist {
+        linear_m_s: base.map(|part| part * setup.control.safe_speed_m_s),
+        angular_rad_s: [0.0; 3],
+    }
 }
 
 /// v + 2 w (q × v) + 2 q × (q × v), the rotation of v by the unit quaternion (q, w).
 fn rotated([x, y, z, w]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
     let cross = |a: [f64; 3], b: [f64; 3]| {
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+        [
+            a[1] * b[2] - a[2] * b[1],
+            a[2] * b[0] - a[0] * b[2],
+            a[0] * b[1] - a[1] * b[0],
+        ]
     };
     let once = cross([x, y, z], v);
     let twice = cross([x, y, z], once);
@@ -167,7 +216,11 @@ fn rotated([x, y, z, w]: [f64; 4], v: [f64; 3]) -> [f64; 3] {
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| (a - b).powi(2))
+        .sum::<f64>()
+        .sqrt()
 }
 
 fn in_words(error: HostError) -> String {

@@ -54,30 +54,52 @@ pub struct ConformanceReport {
 impl ConformanceReport {
     /// Whether no check failed.
     pub fn passed(&self) -> bool {
-        self.checks.iter().all(|check| check.outcome != Outcome::Failed)
+        self.checks
+            .iter()
+            .all(|check| check.outcome != Outcome::Failed)
     }
 
     /// Records a check; says whether it passed.
     fn record(&mut self, name: &'static str, result: Result<String, String>) -> bool {
         let passed = result.is_ok();
-        let outcome = if passed { Outcome::Passed } else { Outcome::Failed };
-        self.checks.push(Check { name, outcome, detail: result.unwrap_or_else(|detail| detail) });
+        let outcome = if passed {
+            Outcome::Passed
+        } else {
+            Outcome::Failed
+        };
+        self.checks.push(Check {
+            name,
+            outcome,
+            detail: result.unwrap_or_else(|detail| detail),
+        });
         passed
     }
 
     fn skip(&mut self, name: &'static str, detail: String) {
-        self.checks.push(Check { name, outcome: Outcome::Skipped, detail });
+        self.checks.push(Check {
+            name,
+            outcome: Outcome::Skipped,
+            detail,
+        });
     }
 
     /// Records what `create` or `open` gave; hands the instance on if there is one.
-    fn made<T>(&mut self, name: &'static str, result: Result<T, HostError>, generic: bool) -> Option<T> {
+    fn made<T>(
+        &mut self,
+        name: &'static str,
+        result: Result<T, HostError>,
+        generic: bool,
+    ) -> Option<T> {
         match result {
             Ok(instance) => {
                 self.record(name, Ok("made an instance".to_owned()));
                 Some(instance)
             }
             Err(error) if generic && asks_for_parameters(&error) => {
-                self.skip(name, format!("needs parameters: pass --object FILE ({error})"));
+                self.skip(
+                    name,
+                    format!("needs parameters: pass --object FILE ({error})"),
+                );
                 None
             }
             Err(error) => {
@@ -90,7 +112,14 @@ impl ConformanceReport {
 
 /// An orderly refusal, as of a plugin that was given nothing of its own.
 fn asks_for_parameters(error: &HostError) -> bool {
-    matches!(error, HostError::Parameters { .. } | HostError::Call { failure: Failure::Error(_), .. })
+    matches!(
+        error,
+        HostError::Parameters { .. }
+            | HostError::Call {
+                failure: Failure::Error(_),
+                ..
+            }
+    )
 }
 
 /// Checks a plugin with a setup of the caller's, or a general one. Moves nothing but virtual arms.
@@ -100,17 +129,33 @@ pub fn check(
     driver_setup: Option<&DriverSetup>,
 ) -> ConformanceReport {
     let (name, version) = (plugin.name().to_owned(), plugin.version().to_owned());
-    let mut report = ConformanceReport { name, version, checks: Vec::new() };
+    let mut report = ConformanceReport {
+        name,
+        version,
+        checks: Vec::new(),
+    };
     // Loading has checked both already and refuses a plugin where they are wrong.
     report.record("table", Ok(format!("{}, tables complete", plugin.kind())));
-    report.record("schema", Ok(format!("{} bytes, valid", plugin.params_schema().to_string().len())));
+    report.record(
+        "schema",
+        Ok(format!(
+            "{} bytes, valid",
+            plugin.params_schema().to_string().len()
+        )),
+    );
     match plugin.functions() {
         Functions::ObservationModel(table) => {
-            let plugin = ModelPlugin { plugin: Arc::clone(plugin), table };
+            let plugin = ModelPlugin {
+                plugin: Arc::clone(plugin),
+                table,
+            };
             model::check(&mut report, &plugin, model_setup);
         }
         Functions::Driver(table) => {
-            let plugin = DriverPlugin { plugin: Arc::clone(plugin), table };
+            let plugin = DriverPlugin {
+                plugin: Arc::clone(plugin),
+                table,
+            };
             driver::check(&mut report, &plugin, driver_setup);
         }
     }

@@ -20,7 +20,10 @@ pub fn door(model: &str) -> ModelSetup {
         joint,
         actions: actions(),
         control: Some(control()),
-        belief: BeliefSetup { particles: PARTICLES, spacing },
+        belief: BeliefSetup {
+            particles: PARTICLES,
+            spacing,
+        },
         observation: json!({ "model": model, "bias_sd_n": 0.0, "correlation_m": 0.0 }),
         seed: 1,
     }

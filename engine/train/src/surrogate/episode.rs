@@ -19,6 +19,8 @@ pub enum Stopped {
     Missed,
     /// A high-force action that would have left the limits.
     Violated,
+    /// The belief broke down for good; on an arm the run would be stopped here.
+    Lost,
 }
 
 /// What one policy step brought.
@@ -111,7 +113,14 @@ impl Episode {
         for _ in 0..observations {
             let part = displacement / f64::from(observations);
             let (made, observation) = self.simulator.step(index, action, part, rng)?;
-            self.filter.update(index, made, observation)?;
+            match self.filter.update(index, made, observation) {
+                Ok(_) => {}
+                Err(BeliefError::Impossible { .. }) => {
+                    let reward = reward.failed_stop + reward.time;
+                    return Ok(Step { reward, stopped: Some(Stopped::Lost) });
+                }
+                Err(error) => return Err(error),
+            }
         }
         Ok(Step { reward: reward.time, stopped: None })
     }

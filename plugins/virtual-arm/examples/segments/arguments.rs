@@ -3,7 +3,7 @@
 const USAGE: &str = "usage: segments WORLD [--demonstrations N] [--seed N] [--safe-speed M_S] \
 [--high-speed M_S] [--acceleration M_S2] [--stop-deceleration M_S2] [--force-threshold N] \
 [--force-limit N] [--contact-stiffness N_PER_M] [--motion-threshold M] \
-[--skipped-travel M]";
+[--skipped-travel M] [--position-sd FRACTION]";
 
 /// Speeds, forces and counts; the defaults are those of `objects/door2.toml`.
 pub struct Arguments {
@@ -20,6 +20,9 @@ pub struct Arguments {
     pub motion_threshold_m: f64,
     /// Readings before the tool has gone this far the action's way are left out, m.
     pub skipped_travel_m: f64,
+    /// How well a filter knows the state, standard deviation as a fraction of the range: about
+    /// half the distance of two particles among 300.
+    pub position_sd: f64,
 }
 
 impl Arguments {
@@ -40,7 +43,9 @@ impl Arguments {
             force_limit_n: 60.0,
             contact_stiffness_n_per_m: 5000.0,
             motion_threshold_m: 0.0005,
-            skipped_travel_m: 0.0,
+            // The filter loop weighs no forces while the arm speeds up or turns round.
+            skipped_travel_m: 0.002,
+            position_sd: 0.002,
         };
         while let Some(flag) = words.next() {
             let value = words
@@ -64,6 +69,7 @@ impl Arguments {
             "--contact-stiffness" => self.contact_stiffness_n_per_m = positive(flag, value)?,
             "--motion-threshold" => self.motion_threshold_m = positive(flag, value)?,
             "--skipped-travel" => self.skipped_travel_m = positive(flag, value)?,
+            "--position-sd" => self.position_sd = positive(flag, value)?,
             _ => return Err(format!("unknown flag {flag}\n{USAGE}")),
         }
         Ok(())

@@ -66,6 +66,23 @@ impl Knots {
     }
 }
 
+/// Each sample at five places around its own, as a normal error of the state would put it; a place
+/// past a limit counts at the limit. A filter knows the state no better than this, because its
+/// particles stand apart and the grasp gives: where a force is steep its mean is then smoother and
+/// its sigma wider, by as much as that error makes of it.
+pub fn blurred<T: Copy>(joint: &Joint, position_sd: f64, points: &[(f64, T)]) -> Vec<(f64, T)> {
+    let error = position_sd * (joint.upper - joint.lower);
+    // Medians of the fifths of a standard normal distribution.
+    let fifths = [-1.2816, -0.5244, 0.0, 0.5244, 1.2816];
+    let around = |&(state, value): &(f64, T)| {
+        fifths.map(|deviation| {
+            let place = (state + deviation * error).clamp(joint.lower, joint.upper);
+            (place, value)
+        })
+    };
+    points.iter().flat_map(around).collect()
+}
+
 /// A stretch with one sigma.
 pub struct ForceSegment {
     pub position: Vec<f64>,

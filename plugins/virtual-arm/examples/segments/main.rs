@@ -48,12 +48,14 @@ fn run() -> Result<(), String> {
                 .iter()
                 .map(|sample| (sample.after, sample.force[channel]))
                 .collect();
+            let points = fit::blurred(&world.joint, arguments.position_sd, &points);
             print::force(action.name, name, &fit::force(&knots, &points), &unit);
         }
         let moves: Vec<_> = samples
             .iter()
             .map(|sample| (sample.before, sample.moved))
             .collect();
+        let moves = fit::blurred(&world.joint, arguments.position_sd, &moves);
         print::moved(action.name, &fit::moved(&knots, &moves), &unit);
     }
     Ok(())

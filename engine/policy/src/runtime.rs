@@ -5,12 +5,20 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use ort::environment::Environment;
+use ort::environment::{Environment, EnvironmentBuilder};
 use ort::session::Session;
 use ort::session::builder::GraphOptimizationLevel;
 
 /// The choice is the process's: `ort` keeps one table of functions and one environment.
-static CHOSEN: Mutex<Option<Runtime>> = Mutex::new(None);
+static CHOSEN: Mutex<Choice> = Mutex::new(Choice::Open);
+
+enum Choice {
+    Open,
+    /// `ort` 2.0.0-rc.14 keeps an uninitialised library after a failed load and would use it at
+    /// the next one, so there is no next one. tract needs no library and stays free.
+    LibraryFailed(RuntimeError),
+    Made(Runtime),
+}
 
 /// The runtime of this process. Choose it once; clones are cheap.
 #[derive(Clone)]
@@ -56,6 +64,14 @@ pub enum RuntimeError {
         /// What the library says of itself.
         found: String,
     },
+    /// One process, one attempt at a library.
+    #[error("{}: not tried, since another library failed in this process before: {first}", path.display())]
+    FailedBefore {
+        /// The path wanted.
+        path: PathBuf,
+        /// The first failure.
+        first: Box<RuntimeError>,
+    },
     /// One process, one runtime.
     #[error("this process already runs policies with {chosen}; it cannot take {wanted} as well")]
     AlreadyChosen {
@@ -80,10 +96,12 @@ impl Runtime {
     /// # Errors
     /// Where the process has chosen another one before.
     pub fn tract() -> Result<Self, RuntimeError> {
-        Self::choose(Kind::Tract, || {
-            ort::set_api(ort_tract::api());
-            Ok(ort::init())
-        })
+        let mut choice = CHOSEN.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(made) = choice.made(&Kind::Tract) {
+            return made;
+        }
+        ort::set_api(ort_tract::api());
+        choice.make(ort::init(), Kind::Tract)
     }
 
     /// The ONNX Runtime in a shared library.
@@ -92,15 +110,30 @@ impl Runtime {
     ///
     /// # Errors
     /// Where the library is missing, foreign or older than the `ort` in use needs, or the process
-    /// has chosen another runtime before.
+    /// has chosen another runtime, or failed to load one, before.
     pub fn onnx_runtime(library: &Path) -> Result<Self, RuntimeError> {
         let library = resolve(library)?;
-        Self::choose(
-            Kind::OnnxRuntime {
-                library: library.clone(),
-            },
-            || ort::init_from(&library).map_err(|fault| load_error(&library, &fault)),
-        )
+        let kind = Kind::OnnxRuntime {
+            library: library.clone(),
+        };
+        let mut choice = CHOSEN.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(made) = choice.made(&kind) {
+            return made;
+        }
+        if let Choice::LibraryFailed(first) = &*choice {
+            return Err(RuntimeError::FailedBefore {
+                path: library,
+                first: Box::new(first.clone()),
+            });
+        }
+        match ort::init_from(&library) {
+            Ok(environment) => choice.make(environment, kind),
+            Err(fault) => {
+                let fault = load_error(&library, &fault);
+                *choice = Choice::LibraryFailed(fault.clone());
+                Err(fault)
+            }
+        }
     }
 
     /// ONNX Runtime where a library is named, else tract.
@@ -115,33 +148,6 @@ impl Runtime {
     #[must_use]
     pub fn version(&self) -> &'static str {
         ort::info()
-    }
-
-    fn choose(
-        kind: Kind,
-        prepare: impl FnOnce() -> Result<ort::environment::EnvironmentBuilder, RuntimeError>,
-    ) -> Result<Self, RuntimeError> {
-        let mut chosen = CHOSEN.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(runtime) = &*chosen {
-            if runtime.kind == kind {
-                return Ok(runtime.clone());
-            }
-            return Err(RuntimeError::AlreadyChosen {
-                chosen: runtime.kind.to_string(),
-                wanted: kind.to_string(),
-            });
-        }
-        let environment = prepare()?
-            .with_name("pubs")
-            .with_telemetry(false)
-            .build()
-            .map_err(|fault| RuntimeError::Start {
-                runtime: kind.to_string(),
-                reason: fault.to_string(),
-            })?;
-        let runtime = Self { environment, kind };
-        *chosen = Some(runtime.clone());
-        Ok(runtime)
     }
 
     /// A session of one thread.
@@ -160,6 +166,37 @@ impl Runtime {
         builder
             .commit_from_memory(model)
             .map_err(|fault| fault.to_string())
+    }
+}
+
+impl Choice {
+    fn made(&self, wanted: &Kind) -> Option<Result<Runtime, RuntimeError>> {
+        let Self::Made(runtime) = self else {
+            return None;
+        };
+        if runtime.kind == *wanted {
+            return Some(Ok(runtime.clone()));
+        }
+        let (chosen, wanted) = (runtime.kind.to_string(), wanted.to_string());
+        Some(Err(RuntimeError::AlreadyChosen { chosen, wanted }))
+    }
+
+    fn make(
+        &mut self,
+        environment: EnvironmentBuilder,
+        kind: Kind,
+    ) -> Result<Runtime, RuntimeError> {
+        let environment = environment
+            .with_name("pubs")
+            .with_telemetry(false)
+            .build()
+            .map_err(|fault| RuntimeError::Start {
+                runtime: kind.to_string(),
+                reason: fault.to_string(),
+            })?;
+        let runtime = Runtime { environment, kind };
+        *self = Self::Made(runtime.clone());
+        Ok(runtime)
     }
 }
 

@@ -5,9 +5,7 @@ mod common;
 
 use common::{WIDTHS, contract, inputs, logits, network};
 use pubs_policy::onnx::Model;
-use pubs_policy::{
-    Existing, ExportError, Policy, PolicyFile, Reference, RunError, Runtime, export,
-};
+use pubs_policy::{Existing, ExportError, Policy, PolicyFile, Reference, RunError, Runtime, write};
 
 #[test]
 fn random_networks_compute_the_same_after_writing() {
@@ -137,7 +135,7 @@ fn a_file_that_differs_is_kept_unless_told() {
     let runtime = Runtime::tract().unwrap();
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("door2.onnx");
-    let write = |seed, existing| {
+    let write_seed = |seed, existing| {
         let network = network(seed, &[2, 4, 5]);
         let inputs = inputs(1, &network, 10);
         let logits = logits(&network, &inputs);
@@ -145,7 +143,7 @@ fn a_file_that_differs_is_kept_unless_told() {
             inputs: &inputs,
             logits: &logits,
         };
-        export::write(
+        write(
             &path,
             &network,
             &contract(&network),
@@ -154,21 +152,21 @@ fn a_file_that_differs_is_kept_unless_told() {
             existing,
         )
     };
-    let first = write(1, Existing::Keep).unwrap();
-    let again = write(1, Existing::Keep).unwrap();
+    let first = write_seed(1, Existing::Keep).unwrap();
+    let again = write_seed(1, Existing::Keep).unwrap();
     assert_eq!(
         first.sha256(),
         again.sha256(),
         "the same policy may be written twice"
     );
-    let fault = write(2, Existing::Keep).unwrap_err();
+    let fault = write_seed(2, Existing::Keep).unwrap_err();
     assert!(matches!(fault, ExportError::Exists { .. }), "{fault}");
     assert_eq!(
         PolicyFile::read(&path).unwrap().sha256(),
         first.sha256(),
         "the old file must stay"
     );
-    let second = write(2, Existing::Replace).unwrap();
+    let second = write_seed(2, Existing::Replace).unwrap();
     assert_ne!(first.sha256(), second.sha256());
     let names: Vec<_> = std::fs::read_dir(directory.path())
         .unwrap()
@@ -223,7 +221,7 @@ fn an_export_that_is_not_what_was_trained_leaves_nothing() {
             inputs: &inputs,
             logits: &logits,
         };
-        let fault = export::write(
+        let fault = write(
             &path,
             &network,
             &contract,
@@ -294,7 +292,21 @@ fn overflow_in_the_network_is_refused_on_the_way_out() {
     let directory = tempfile::tempdir().unwrap();
     let mut network = network(1, &[2, 3]);
     network.layers[0].weights.fill(1e30);
-    let (file, _) = common::written(directory.path(), &network, &runtime);
+    // At the offsets the scaled inputs are zero and the logits the biases.
+    let reference = Reference {
+        inputs: &[1.125, 0.5],
+        logits: &network.layers[0].bias,
+    };
+    let path = directory.path().join("door2.onnx");
+    let file = write(
+        &path,
+        &network,
+        &contract(&network),
+        reference,
+        &runtime,
+        Existing::Keep,
+    )
+    .unwrap();
     let mut policy = file.open(&runtime).unwrap();
     let fault = policy.logits(&[3e10, 0.5], 1, &mut Vec::new()).unwrap_err();
     assert!(

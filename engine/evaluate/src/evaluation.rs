@@ -7,7 +7,7 @@ use pubs_core::belief::Model;
 use pubs_core::shield::Shield;
 use pubs_core::vector::VectorUnit;
 use pubs_core::Task;
-use pubs_policy::{PolicyError, PolicyFile, Runtime};
+use pubs_policy::{PolicyFile, Runtime};
 use pubs_train::surrogate::Stopped;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -82,8 +82,8 @@ pub struct Evaluation {
 #[derive(Debug, thiserror::Error)]
 pub enum EvaluateError {
     /// The policy file cannot be run.
-    #[error(transparent)]
-    Policy(#[from] PolicyError),
+    #[error("{0}")]
+    Open(String),
     /// A trial failed.
     #[error(transparent)]
     Trial(#[from] TrialError),
@@ -131,7 +131,7 @@ pub fn evaluate(
             .map_init(
                 || file.open(runtime),
                 |policy, batch| -> Result<Vec<Trial>, EvaluateError> {
-                    let policy = policy.as_mut().map_err(|error| EvaluateError::Policy(error.clone()))?;
+                    let policy = policy.as_mut().map_err(|error| EvaluateError::Open(error.to_string()))?;
                     let first = batch * BATCH;
                     let count = BATCH.min(options.trials - first);
                     Ok(run_batch(task, model, policy, &trial_options, first, count)?)

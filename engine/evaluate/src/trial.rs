@@ -98,7 +98,8 @@ pub fn run_batch(
             let action = choose(logits, task.stop, |index| allowed[index]);
             let stopped = one.step(task, action)?;
             if stopped.is_some() || one.episode.steps() >= options.max_steps {
-                trials[one.index] = Some(one.finish(stopped));
+                let index = one.index;
+                trials[index] = Some(one.finish(stopped));
             } else {
                 still.push(one);
             }

@@ -195,7 +195,8 @@ mod tests {
         let all = [true; 4];
         let only_last = [false, false, false, true];
         let none = [false; 4];
-        let cases: [(&str, [f32; 4], usize, [bool; 4], usize); 8] = [
+        type Case = (&'static str, [f32; 4], usize, [bool; 4], usize);
+        let cases: [Case; 8] = [
             ("largest", [0.0, 3.0, 2.0, 1.0], 0, all, 1),
             (
                 "largest is masked",

@@ -132,7 +132,6 @@ impl ControlLoop {
         let direction = if action.is_stop() { Direction::Opening } else { Direction::of(action.sign()) };
         let force = pose.orientation * Vector3::from(reading.force_n);
         Sample {
-            time_ns: reading.time_ns,
             action: index,
             displacement: path.displacement(&pose),
             forces_n: path.frame(&pose, direction).decompose(&force),

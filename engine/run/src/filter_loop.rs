@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use pubs_core::Task;
-use pubs_core::belief::{BeliefError, Filter, Update};
+use pubs_core::belief::{BeliefError, Filter};
 use pubs_core::observation::ArmObservation;
 use pubs_core::shield::{self, Shield};
 
@@ -59,10 +59,8 @@ impl FilterLoop {
         shield::allowed(self.shield.as_ref(), &self.task, &self.filter, &mut self.allowed);
         let bits = self.allowed.iter().enumerate().fold(0, |bits, (index, &allowed)| bits | (u64::from(allowed) << index));
         Ok(BeliefMessage {
-            time_ns: now_ns,
             summary: self.filter.summary(),
             allowed: bits,
-            recoveries: self.filter.recoveries(),
             speed_m_s: sample.speed_m_s,
             valid: sample.valid,
         })
@@ -88,8 +86,7 @@ impl FilterLoop {
             // the filter refuses.
             *value = observation.channel(name).unwrap_or(f32::NAN);
         }
-        match self.filter.update(sample.action, displacement, &self.observation)? {
-            Update::Weighed | Update::Recovered(_) => Ok(()),
-        }
+        self.filter.update(sample.action, displacement, &self.observation)?;
+        Ok(())
     }
 }

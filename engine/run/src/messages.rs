@@ -8,8 +8,6 @@ use pubs_core::belief::Summary;
 /// Controller to filter: one control period.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Sample {
-    /// When the driver measured it.
-    pub time_ns: u64,
     /// Index of the action in force.
     pub action: usize,
     /// Joint displacement since the grasp (rad or m).
@@ -28,14 +26,10 @@ pub struct Sample {
 /// Filter to policy.
 #[derive(Debug, Clone, Copy)]
 pub struct BeliefMessage {
-    /// When the filter stepped; its sign of life.
-    pub time_ns: u64,
     /// Mean and entropy.
     pub summary: Summary,
     /// Bit i: the shield allows action i.
     pub allowed: u64,
-    /// Recoveries so far.
-    pub recoveries: u32,
     /// Speed the arm is commanded, m/s, from the sample that was used.
     pub speed_m_s: f64,
     /// Whether there is a belief at all.
@@ -45,10 +39,8 @@ pub struct BeliefMessage {
 impl Default for BeliefMessage {
     fn default() -> Self {
         Self {
-            time_ns: 0,
             summary: Summary { mean: 0.0, entropy: 1.0 },
             allowed: u64::MAX,
-            recoveries: 0,
             speed_m_s: 0.0,
             valid: false,
         }

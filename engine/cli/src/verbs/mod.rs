@@ -3,6 +3,7 @@
 pub mod check;
 pub mod config;
 pub mod evaluate;
+pub mod plugin_check;
 pub mod plugins;
 pub mod run;
 pub mod train;

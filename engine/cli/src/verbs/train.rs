@@ -111,7 +111,8 @@ pub fn run(arguments: &Arguments) -> Ended {
         threads: arguments.threads.map(usize::from),
     };
     let existing = if arguments.overwrite { Existing::Replace } else { Existing::Keep };
-    let result = training::train(&ready, &plan, &path, existing, &runtime, &interruptible()?)?;
+    let interrupt = interruptible()?;
+    let result = training::train(&ready, &plan, &path, existing, &runtime, &interrupt)?;
     let report = report(&ready.task.name, label, &plan, path, result);
     if arguments.json {
         show::print_json(&report)?;

@@ -95,7 +95,7 @@ pub enum Fault {
     },
     /// Of another task.
     #[error("{0}")]
-    Mismatch(#[from] Mismatch),
+    Mismatch(Box<Mismatch>),
 }
 
 impl Fault {

@@ -79,21 +79,12 @@ pub enum ExportError {
     #[error("the file just written does not run: {0}")]
     Run(#[from] RunError),
     /// The file computes something else.
-    #[error(
-        "{} does not compute what was trained: for input {input:?} the trainer gives {wanted:?}, {runtime} {found:?}",
-        path.display()
-    )]
+    #[error("{} does not compute what was trained: {difference}", path.display())]
     Differs {
         /// The file wanted.
         path: PathBuf,
-        /// Which runtime.
-        runtime: String,
-        /// One row.
-        input: Vec<f32>,
-        /// The trainer's logits.
-        wanted: Vec<f32>,
-        /// The file's.
-        found: Vec<f32>,
+        /// The input and both sides' logits.
+        difference: String,
     },
 }
 
@@ -267,12 +258,11 @@ fn verify(
         .zip(logits.chunks_exact(actions));
     for ((wanted, found), input) in rows.zip(reference.inputs.chunks_exact(features)) {
         if !agree(wanted, found) {
+            let difference =
+                format!("for input {input:?} the trainer gives {wanted:?}, {runtime} {found:?}");
             return Err(ExportError::Differs {
                 path: path.to_owned(),
-                runtime: runtime.to_string(),
-                input: input.to_vec(),
-                wanted: wanted.to_vec(),
-                found: found.to_vec(),
+                difference,
             });
         }
     }

@@ -130,7 +130,7 @@ impl PolicyFile {
             None => Ok(Vec::new()),
             Some(contract) => contract
                 .compare(expected)
-                .map_err(|fault| Fault::from(fault).of(&self.path)),
+                .map_err(|fault| Fault::Mismatch(Box::new(fault)).of(&self.path)),
         }
     }
 

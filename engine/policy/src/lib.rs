@@ -5,7 +5,7 @@
 //! the contract: which task it was trained for, which goal, what its inputs and outputs are, and
 //! sha256 sums over all of it, so that a damaged file or one of another task is refused.
 //!
-//! Writing: a [`Network`] and a [`Contract`] go through [`write`], which runs the file and
+//! Writing: a [`Network`] and a [`Contract`] go through [`write()`], which runs the file and
 //! compares it with the trainer's own logits before the file appears under its name. Running: a
 //! [`Runtime`] is chosen once per process, a [`PolicyFile`] is read and checked in full, and each
 //! thread opens its own [`Policy`] from it.

@@ -14,8 +14,6 @@ use crate::failure::Failure;
 
 /// Everything that a verb needs of an object.
 pub struct Ready {
-    /// The file.
-    pub loaded: LoadedObject,
     /// The file, compiled.
     pub task: Arc<Task>,
     /// Its observation model.
@@ -34,7 +32,7 @@ pub fn ready(path: &Path, overrides: &Overrides, registry: &Registry, seed: u64)
         return Err(Failure::Faults(Faults(faults)));
     }
     let model = registry.observation_model(&task.observation.model)?.create(&task.model_setup(stream(seed, "model")))?;
-    Ok(Ready { loaded, task: Arc::new(task), model: Arc::new(model) })
+    Ok(Ready { task: Arc::new(task), model: Arc::new(model) })
 }
 
 /// Everything about one file that can be checked without moving anything.

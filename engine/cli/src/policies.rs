@@ -32,7 +32,7 @@ pub fn folder_of(object: &Path) -> PathBuf {
 /// # Errors
 /// Where it cannot be read or was made for something else.
 pub fn named(path: &Path, foreign: Option<&[FeatureName]>, task: &Task, goals: &[Option<f64>]) -> Result<PolicyFile, Failure> {
-    let incompatible = |error: &dyn std::error::Error| Failure::incompatible(format!("{}: {}", path.display(), chain(error)));
+    let incompatible = |error: &dyn std::error::Error| Failure::incompatible(chain(error));
     if let Some(inputs) = foreign {
         return PolicyFile::read_foreign(path, inputs, task.actions.len()).map_err(|error| incompatible(&error));
     }
@@ -62,7 +62,7 @@ pub fn found_or_trained(
     for path in candidates(folder, &ready.task.name) {
         match fits(&path, &ready.task, goals) {
             Ok(file) => return Ok(file),
-            Err(reason) => passed_over.push(format!("{}: {reason}", path.display())),
+            Err(reason) => passed_over.push(reason),
         }
     }
     for reason in &passed_over {

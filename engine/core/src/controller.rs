@@ -35,12 +35,10 @@ impl Control {
         }
     }
 
-    /// How much the force at a hard stop still grows after it is noticed at `speed_m_s`: two
-    /// control periods of delay, then a ramp, v²/2a.
+    /// [`stop_overshoot_n`] of this controller at `speed_m_s`.
     pub fn stop_overshoot_n(&self, speed_m_s: f64) -> f64 {
-        let delay = speed_m_s * 2.0 / self.rate_hz;
-        let ramp = speed_m_s * speed_m_s / (2.0 * self.stop_deceleration_m_s2);
-        self.contact_stiffness_n_per_m * (delay + ramp)
+        let Self { rate_hz, stop_deceleration_m_s2, contact_stiffness_n_per_m, .. } = *self;
+        stop_overshoot_n(speed_m_s, rate_hz, stop_deceleration_m_s2, contact_stiffness_n_per_m)
     }
 
     /// v_s of eq. (13), signed along the path, positive towards open; `force_along_n` is
@@ -71,6 +69,22 @@ impl Control {
         };
         speed + (target - speed).clamp(-step, step)
     }
+}
+
+/// By how much the force still rises when the handle meets a hard stop at `speed_m_s`, N.
+///
+/// Two control periods pass before the ramp begins (the force arises just after one reading, is
+/// seen by the next, and the command takes effect with the one after), then the handle
+/// travels v²/2a: `stiffness · (v · 2 / rate + v² / (2 · deceleration))`.
+pub fn stop_overshoot_n(
+    speed_m_s: f64,
+    rate_hz: f64,
+    stop_deceleration_m_s2: f64,
+    contact_stiffness_n_per_m: f64,
+) -> f64 {
+    let reaction_m = speed_m_s * 2.0 / rate_hz;
+    let ramp_m = speed_m_s * speed_m_s / (2.0 * stop_deceleration_m_s2);
+    contact_stiffness_n_per_m * (reaction_m + ramp_m)
 }
 
 /// F_ee · ξ_dir for an action's direction, N; 0 for stop.

@@ -3,11 +3,14 @@
 use std::sync::Arc;
 
 use pubs_core::Task;
-use pubs_core::belief::{BeliefError, Filter};
+use pubs_core::belief::{BeliefError, Filter, Recovery, Update};
 use pubs_core::observation::ArmObservation;
 use pubs_core::shield::{self, Shield};
 
 use crate::messages::{BeliefMessage, Sample, Signals};
+
+/// So many recoveries are told in words; the rest are counted.
+const NOTES: usize = 20;
 
 /// State of the loop between two ticks.
 pub struct FilterLoop {
@@ -19,6 +22,7 @@ pub struct FilterLoop {
     previous: Option<Sample>,
     observation: Vec<f32>,
     allowed: Vec<bool>,
+    notes: Vec<String>,
 }
 
 impl FilterLoop {
@@ -39,12 +43,18 @@ impl FilterLoop {
             shield,
             signals,
             previous: None,
+            notes: Vec::new(),
         }
     }
 
     /// The belief.
     pub fn filter(&self) -> &Filter {
         &self.filter
+    }
+
+    /// What the recovery rule did, in words.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// One tick with the newest sample.
@@ -86,7 +96,23 @@ impl FilterLoop {
             // the filter refuses.
             *value = observation.channel(name).unwrap_or(f32::NAN);
         }
-        self.filter.update(sample.action, displacement, &self.observation)?;
+        if let Update::Recovered(recovery) = self.filter.update(sample.action, displacement, &self.observation)? {
+            self.note(sample.action, &recovery);
+        }
         Ok(())
+    }
+
+    fn note(&mut self, action: usize, recovery: &Recovery) {
+        if self.notes.len() >= NOTES {
+            return;
+        }
+        let readings = self.channels.iter().zip(&self.observation);
+        let readings: Vec<String> = readings.map(|(name, value)| format!("{name} = {value:.2}")).collect();
+        self.notes.push(format!(
+            "no particle fits {} during `{}` (log density {:.0}); the belief starts afresh",
+            readings.join(", "),
+            self.task.actions[action].name,
+            recovery.log_density,
+        ));
     }
 }

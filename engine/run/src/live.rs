@@ -76,7 +76,8 @@ pub fn run(loops: Loops, watch: &mut dyn FnMut(&Status)) -> Finished {
     Finished {
         policy: policy.state,
         trip,
-        recoveries: filter.state,
+        recoveries: filter.state.0,
+        notes: filter.state.1,
         time_s: (end_ns - start_ns) as f64 * 1e-9,
         end_ns,
         lateness: LatenessReport {
@@ -161,7 +162,7 @@ fn filter_thread(
     mut samples: Output<Sample>,
     mut beliefs: Input<BeliefMessage>,
     alarms: &Alarms,
-) -> Paced<u32> {
+) -> Paced<(u32, Vec<String>)> {
     let lateness = caught("filter", alarms, || {
         pace.keep(true, |now_ns| match filter.step(now_ns, samples.read()) {
             Ok(belief) => {
@@ -172,7 +173,7 @@ fn filter_thread(
         })
         .0
     });
-    Paced { state: filter.filter().recoveries(), lateness, real_time: false }
+    Paced { state: (filter.filter().recoveries(), filter.notes().to_vec()), lateness, real_time: false }
 }
 
 fn policy_thread(

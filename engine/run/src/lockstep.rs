@@ -58,6 +58,7 @@ pub fn run(mut loops: Loops, watch: &mut dyn FnMut(&Status)) -> Finished {
     Finished {
         trip: loops.controller.guard().tripped().cloned(),
         recoveries: loops.filter.filter().recoveries(),
+        notes: loops.filter.notes().to_vec(),
         time_s: (end_ns - START_NS) as f64 / SECOND_NS as f64,
         end_ns,
         policy: loops.policy,

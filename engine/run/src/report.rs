@@ -110,6 +110,8 @@ pub struct RunReport {
     pub recording: Option<String>,
     /// How often the belief's recovery rule acted.
     pub recoveries: u32,
+    /// Each of the first recoveries in words.
+    pub notes: Vec<String>,
     /// The vector unit on which the last bits depend.
     pub vector_unit: String,
     /// The seed of the run.

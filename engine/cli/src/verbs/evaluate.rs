@@ -132,7 +132,7 @@ fn object_path(arguments: &Arguments) -> Result<PathBuf, Failure> {
         return Err(Failure::invalid("a policy without a contract does not say its object: add --object FILE"));
     }
     let file = PolicyFile::read(&arguments.policy)
-        .map_err(|error| Failure::incompatible(format!("{}: {error}", arguments.policy.display())))?;
+        .map_err(|error| Failure::incompatible(error.to_string()))?;
     let name = file.contract().map(|contract| contract.object.clone()).unwrap_or_default();
     let folder = arguments.policy.parent().filter(|folder| !folder.as_os_str().is_empty());
     let beside = folder.unwrap_or(std::path::Path::new(".")).join("../objects").join(format!("{name}.toml"));

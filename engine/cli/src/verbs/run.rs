@@ -95,6 +95,9 @@ pub fn run(arguments: &Arguments) -> Ended {
     let report = pubs_run::run(&ready.task, arm, Arc::clone(&ready.model), vec![policy], &options, &mut watch);
     bar.finish_and_clear();
     let report = report.map_err(|error| Failure::invalid(error.to_string()))?;
+    for note in &report.notes {
+        show::say(&format!("note: {note}"));
+    }
     if let Some(reason) = &report.reason {
         show::say(&format!("stopped: {reason}"));
     }

@@ -30,4 +30,3 @@ pub use load::{LoadedObject, files, key_of_pointer, load};
 pub use places::Location;
 pub use raw::ObjectFile;
 pub use render::render;
-pub use rules::stop_overshoot_n;

@@ -2,22 +2,7 @@
 //! is at rest it presses on into the contact.
 
 use super::Rules;
-
-/// By how much the force still rises when the handle meets a hard stop at `speed_m_s`, N.
-///
-/// Two control periods pass before the ramp begins (the force arises just after one reading, is
-/// seen by the next, and the command takes effect with the one after), then the handle
-/// travels v²/2a: `stiffness · (v · 2 / rate + v² / (2 · deceleration))`.
-pub fn stop_overshoot_n(
-    speed_m_s: f64,
-    rate_hz: f64,
-    stop_deceleration_m_s2: f64,
-    contact_stiffness_n_per_m: f64,
-) -> f64 {
-    let reaction_m = speed_m_s * 2.0 / rate_hz;
-    let ramp_m = speed_m_s * speed_m_s / (2.0 * stop_deceleration_m_s2);
-    contact_stiffness_n_per_m * (reaction_m + ramp_m)
-}
+use crate::controller::stop_overshoot_n;
 
 /// What a stop depends on besides the speed.
 struct Stop {

@@ -13,7 +13,6 @@ use std::sync::{Mutex, PoisonError};
 use pubs_core::belief::{BeliefError, Model};
 use pubs_core::seed::stream;
 use pubs_core::shield::Shield;
-use pubs_core::vector::VectorUnit;
 use pubs_core::{Joint, Task};
 use pubs_policy::{Contract, Dense, Expected, ExportError, Feature, FeatureName, Network, Runtime};
 use pubs_train::surrogate::{Goals, SurrogateEnvironments, TrainingOptions};
@@ -187,7 +186,7 @@ fn train_one(
         scaling: scaling(&task.joint, plan.goals, &plan.recipe),
         discount: task.reward.discount as f32,
         seed,
-        unit: VectorUnit::detect(),
+        unit: pubs_train::VectorUnit::best(),
     };
     pubs_train::train(&mut environments, &settings, report)
 }

@@ -189,4 +189,17 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn one_weight_that_is_not_a_number_makes_every_sum_so() {
+        for unit in VectorUnit::available() {
+            for place in [0, 20, 36] {
+                let mut logs = [0.0; 37];
+                logs[place] = f32::NAN;
+                let sums = normalise(unit, &mut logs, &[1.0; 37]);
+                assert!(sums.log_total.is_nan(), "{unit}, {place}: {sums:?}");
+                assert!(sums.mean.is_nan(), "{unit}, {place}: {sums:?}");
+            }
+        }
+    }
 }

@@ -5,12 +5,15 @@
 ///
 /// FNV-1a over the name, mixed with the seed by the finaliser of SplitMix64 (Steele et al. 2014).
 pub fn stream(seed: u64, name: &str) -> u64 {
-    const FNV_OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
-    const FNV_PRIME: u64 = 0x0000_0100_0000_01b3;
-    let hash = name.bytes().fold(FNV_OFFSET, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(FNV_PRIME)
-    });
-    mix(hash ^ mix(seed))
+    mix(fnv_1a(name.as_bytes()) ^ mix(seed))
+}
+
+fn fnv_1a(bytes: &[u8]) -> u64 {
+    const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
+    const PRIME: u64 = 0x0000_0100_0000_01b3;
+    bytes.iter().fold(OFFSET, |hash, &byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(PRIME)
+    })
 }
 
 fn mix(value: u64) -> u64 {
@@ -37,6 +40,14 @@ mod tests {
                 assert_ne!(one, other);
             }
         }
+    }
+
+    #[test]
+    fn hash_and_finaliser_are_the_published_ones() {
+        // Test vectors of the FNV reference.
+        assert_eq!(fnv_1a(b""), 0xcbf2_9ce4_8422_2325);
+        assert_eq!(fnv_1a(b"a"), 0xaf63_dc4c_8601_ec8c);
+        assert_eq!(fnv_1a(b"foobar"), 0x8594_4171_f739_67e8);
         // SplitMix64 from state 0 gives 0xe220a8397b1dcdaf first (reference implementation).
         assert_eq!(mix(0), 0xe220_a839_7b1d_cdaf);
     }

@@ -185,7 +185,7 @@ fn sum_up<'t>(trials: impl Iterator<Item = &'t Trial>, time_s: f64) -> Evaluatio
         mean_steps: steps.mean().unwrap_or(0.0),
         coverage_90: covered.mean().unwrap_or(0.0),
         recovered_trials: recovered,
-        vector_unit: VectorUnit::detect().to_string(),
+        vector_unit: VectorUnit::best().to_string(),
         time_s,
         trials_per_s: count as f64 / time_s,
     }

@@ -85,7 +85,7 @@ fn main() {
         .filter_map(|argument| argument.parse().ok())
         .next()
         .unwrap_or(3);
-    for unit in kernels::VectorUnit::available() {
+    for unit in VectorUnit::available() {
         time_kernels(unit);
     }
     for recipe in Recipe::all() {
@@ -110,7 +110,7 @@ fn main() {
 
 /// Prints the speed of the product of two 64 × 64 matrices and of tanh: of many repetitions the
 /// fastest, which nothing else on the machine disturbed.
-fn time_kernels(unit: kernels::VectorUnit) {
+fn time_kernels(unit: VectorUnit) {
     const SIDE: usize = 64;
     const REPETITIONS: usize = 2000;
     let (a, b) = (filled(0.5), filled(0.25));

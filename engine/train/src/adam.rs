@@ -1,7 +1,8 @@
 //! The optimiser: Adam (Kingma and Ba, 2015), as PyTorch defines it.
 
+use pubs_core::vector::{Arithmetic, VectorUnit, dispatched};
+
 use crate::kernels::buffer::Buffer;
-use crate::kernels::unit::{Arithmetic, VectorUnit, dispatched};
 
 const MOMENTUM_DECAY: f32 = 0.9;
 const VARIANCE_DECAY: f32 = 0.999;

@@ -1,9 +1,10 @@
 //! One gradient step on one minibatch.
 
+use pubs_core::vector::VectorUnit;
+
 use crate::adam::Adam;
 use crate::kernels::column::{BLOCK, Column};
 use crate::kernels::sum::sum_of_squares;
-use crate::kernels::unit::VectorUnit;
 use crate::loss::{Distribution, Samples, Weights, policy_gradients, value_gradients};
 use crate::network::{Network, Workspace};
 use crate::rollout::Rollout;

@@ -28,10 +28,10 @@ pub mod surrogate;
 
 pub use environment::{End, Environments, StepOutcome};
 pub use error::TrainError;
-pub use kernels::VectorUnit;
 pub use network::DenseLayer;
 pub use policy::Policy;
 pub use ppo::{Settings, Trained, train};
 pub use progress::Progress;
+pub use pubs_core::vector::VectorUnit;
 pub use recipe::{InputRange, Recipe, Schedule, UnknownRecipe};
 pub use scaling::InputScaling;

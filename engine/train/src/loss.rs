@@ -1,8 +1,8 @@
 //! PPO's loss of one block of samples, as gradients of what the networks put out.
 
+use pubs_core::vector::{Arithmetic, VectorUnit, dispatched, exp, ln};
+
 use crate::kernels::column::{BLOCK, Column};
-use crate::kernels::exponential::{exp, ln};
-use crate::kernels::unit::{Arithmetic, VectorUnit, dispatched};
 
 /// Stands for the logit of an action that is masked out.
 const MASKED: f32 = -1e30;

@@ -3,11 +3,11 @@
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 
+use pubs_core::vector::VectorUnit;
 use rand::seq::SliceRandom;
 
 use crate::environment::Environments;
 use crate::error::TrainError;
-use crate::kernels::unit::VectorUnit;
 use crate::learner::{Learner, Trainee, Update};
 use crate::network::{DenseLayer, Network};
 use crate::policy::Policy;

@@ -1,12 +1,12 @@
 //! Collecting experience with the present policy.
 
+use pubs_core::vector::VectorUnit;
 use rand::RngExt;
 
 use crate::environment::{End, Environments, StepOutcome};
 use crate::error::TrainError;
 use crate::gae::advantages;
 use crate::kernels::column::BLOCK;
-use crate::kernels::unit::VectorUnit;
 use crate::loss::Distribution;
 use crate::network::{Network, Workspace};
 use crate::progress::Episodes;

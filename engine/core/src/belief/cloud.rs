@@ -1,7 +1,7 @@
 //! Where the particles are.
 
-use crate::vector::{VectorUnit, multiply_add};
-use crate::{Joint, for_each_vector_unit};
+use crate::Joint;
+use crate::vector::{Arithmetic, VectorUnit, dispatched};
 
 /// N particles that started evenly over the prior and have moved together ever since, each
 /// staying at a limit that it was pushed past; always in ascending order.
@@ -26,7 +26,7 @@ impl Cloud {
     /// must be there. On an integer joint each state has as many particles as any other, give or
     /// take one.
     pub fn new(joint: &Joint, particles: usize) -> Self {
-        Self::on(VectorUnit::detect(), joint, particles)
+        Self::on(VectorUnit::best(), joint, particles)
     }
 
     /// The same, computed on a chosen vector unit.
@@ -117,21 +117,15 @@ impl Cloud {
 }
 
 #[inline(always)]
-fn place_body<const FUSED: bool>(
-    states: &mut [f32],
-    first: f32,
-    spacing: f32,
-    low: f32,
-    high: f32,
-) {
+fn place_body<A: Arithmetic>(states: &mut [f32], first: f32, spacing: f32, low: f32, high: f32) {
     for (index, state) in states.iter_mut().enumerate() {
-        let place = multiply_add::<FUSED>(index as i32 as f32, spacing, first);
+        let place = A::multiply_add(index as i32 as f32, spacing, first);
         // Not `clamp`, which may panic and so keeps the loop from becoming vector code.
         *state = place.max(low).min(high);
     }
 }
 
-for_each_vector_unit! {
+dispatched! {
     /// Places particle i at clamp(first + i·spacing, low, high).
     fn place_on_grid(states: &mut [f32], first: f32, spacing: f32, low: f32, high: f32) = place_body
 }

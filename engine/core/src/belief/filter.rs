@@ -128,7 +128,7 @@ pub struct Filter {
 impl Filter {
     /// A filter that knows nothing: even weights over the prior.
     pub fn new(task: &Task, model: Arc<dyn Model>) -> Self {
-        Self::on(VectorUnit::detect(), task, model)
+        Self::on(VectorUnit::best(), task, model)
     }
 
     /// The same on a chosen vector unit.

@@ -1,14 +1,13 @@
 //! The observation likelihood, eq. (11), added to log weights.
 
-use crate::for_each_vector_unit;
-use crate::vector::{ln, multiply_add};
+use crate::vector::{Arithmetic, dispatched, ln};
 
 /// Floor of the probability of either outcome of m_p: eq. (11) would let one odd reading rule out
 /// a state for ever.
 pub const LEAST_PROBABILITY: f32 = 0.001;
 
 #[inline(always)]
-fn gaussian_body<const FUSED: bool>(
+fn gaussian_body<A: Arithmetic>(
     log_weights: &mut [f32],
     mean: &[f32],
     sigma: &[f32],
@@ -17,12 +16,12 @@ fn gaussian_body<const FUSED: bool>(
 ) {
     for ((log_weight, &mean), &sigma) in log_weights.iter_mut().zip(mean).zip(sigma) {
         let deviation = (observed - mean) / sigma;
-        let penalty = multiply_add::<FUSED>(0.5 * deviation, deviation, ln::<FUSED>(sigma));
-        *log_weight = multiply_add::<FUSED>(-exponent, penalty, *log_weight);
+        let penalty = A::multiply_add(0.5 * deviation, deviation, ln::<A>(sigma));
+        *log_weight = A::multiply_add(-exponent, penalty, *log_weight);
     }
 }
 
-for_each_vector_unit! {
+dispatched! {
     /// Adds exponent · ln N(observed; mean, sigma²) + const to each log weight; the constant ½ ln 2π
     /// is the same for all and left out.
     pub fn add_gaussian(
@@ -35,15 +34,15 @@ for_each_vector_unit! {
 }
 
 #[inline(always)]
-fn bernoulli_body<const FUSED: bool>(log_weights: &mut [f32], probability: &[f32], observed: bool) {
+fn bernoulli_body<A: Arithmetic>(log_weights: &mut [f32], probability: &[f32], observed: bool) {
     for (log_weight, &probability) in log_weights.iter_mut().zip(probability) {
         let of_one = probability.clamp(LEAST_PROBABILITY, 1.0 - LEAST_PROBABILITY);
         let of_outcome = if observed { of_one } else { 1.0 - of_one };
-        *log_weight += ln::<FUSED>(of_outcome);
+        *log_weight += ln::<A>(of_outcome);
     }
 }
 
-for_each_vector_unit! {
+dispatched! {
     /// Adds the log probability of a 0-or-1 reading to each log weight.
     pub fn add_bernoulli(log_weights: &mut [f32], probability: &[f32], observed: bool) = bernoulli_body
 }

@@ -1,7 +1,6 @@
 //! Log weights: normalising them, eq. (8), and sums over them, eq. (9) and (10).
 
-use crate::for_each_vector_unit;
-use crate::vector::{LANES, Lanes, exp, multiply_add};
+use crate::vector::{Arithmetic, LANES, Lanes, dispatched, exp};
 
 /// The least log weight that is kept; e to it is 0 in any precision, and −∞ would make NaN.
 pub const LEAST_LOG_WEIGHT: f32 = -1e4;
@@ -25,19 +24,14 @@ fn lanes_of(values: &[f32], padding: f32) -> Lanes {
 }
 
 #[inline(always)]
-fn accumulate<const FUSED: bool>(
-    log_weights: &Lanes,
-    states: &Lanes,
-    max: f32,
-    sums: &mut [Lanes; 3],
-) {
+fn accumulate<A: Arithmetic>(log_weights: &Lanes, states: &Lanes, max: f32, sums: &mut [Lanes; 3]) {
     for lane in 0..LANES {
         let log = log_weights[lane] - max;
-        let weight = exp::<FUSED>(log);
+        let weight = exp::<A>(log);
         sums[0][lane] += weight;
-        sums[1][lane] = multiply_add::<FUSED>(weight, states[lane], sums[1][lane]);
+        sums[1][lane] = A::multiply_add(weight, states[lane], sums[1][lane]);
         // exp is 0 below −87, where the product with a large log must be 0 as well.
-        sums[2][lane] = multiply_add::<FUSED>(weight, log, sums[2][lane]);
+        sums[2][lane] = A::multiply_add(weight, log, sums[2][lane]);
     }
 }
 
@@ -55,16 +49,16 @@ fn greatest(values: &[f32]) -> f32 {
 }
 
 #[inline(always)]
-fn normalise_body<const FUSED: bool>(log_weights: &mut [f32], states: &[f32]) -> Sums {
+fn normalise_body<A: Arithmetic>(log_weights: &mut [f32], states: &[f32]) -> Sums {
     let max = greatest(log_weights);
     let mut sums = [[0.0; LANES]; 3];
     let (log_groups, log_rest) = log_weights.as_chunks::<LANES>();
     let (state_groups, state_rest) = states.as_chunks::<LANES>();
     for (log_group, state_group) in log_groups.iter().zip(state_groups) {
-        accumulate::<FUSED>(log_group, state_group, max, &mut sums);
+        accumulate::<A>(log_group, state_group, max, &mut sums);
     }
     let padding = max + LEAST_LOG_WEIGHT;
-    accumulate::<FUSED>(
+    accumulate::<A>(
         &lanes_of(log_rest, padding),
         &lanes_of(state_rest, 0.0),
         max,
@@ -85,14 +79,14 @@ fn normalise_body<const FUSED: bool>(log_weights: &mut [f32], states: &[f32]) ->
     }
 }
 
-for_each_vector_unit! {
+dispatched! {
     /// Normalises log weights in place and sums over them; `states` has the same length. Not a
     /// number comes out as not a number.
     pub fn normalise(log_weights: &mut [f32], states: &[f32]) -> Sums = normalise_body
 }
 
 #[inline(always)]
-fn flattened_body<const FUSED: bool>(
+fn flattened_body<A: Arithmetic>(
     log_weights: &[f32],
     states: &[f32],
     exponent: f32,
@@ -104,7 +98,7 @@ fn flattened_body<const FUSED: bool>(
     let mut total = [0.0; LANES];
     let mut add = |logs: &Lanes, places: &Lanes| {
         for lane in 0..LANES {
-            let weight = exp::<FUSED>((logs[lane] - max) * exponent);
+            let weight = exp::<A>((logs[lane] - max) * exponent);
             total[lane] += weight;
             inside[lane] += if places[lane] >= from && places[lane] <= to {
                 weight
@@ -125,7 +119,7 @@ fn flattened_body<const FUSED: bool>(
     inside.iter().sum::<f32>() / total.iter().sum::<f32>()
 }
 
-for_each_vector_unit! {
+dispatched! {
     /// Share of the mass of weights^exponent whose state lies in [from, to].
     pub fn flattened_mass(log_weights: &[f32], states: &[f32], exponent: f32, from: f32, to: f32) -> f32 = flattened_body
 }
@@ -192,6 +186,19 @@ mod tests {
                     (mass - inside / flat).abs() < 2e-6,
                     "{unit}, N = {count}: mass {mass}"
                 );
+            }
+        }
+    }
+
+    #[test]
+    fn one_weight_that_is_not_a_number_makes_every_sum_so() {
+        for unit in VectorUnit::available() {
+            for place in [0, 20, 36] {
+                let mut logs = [0.0; 37];
+                logs[place] = f32::NAN;
+                let sums = normalise(unit, &mut logs, &[1.0; 37]);
+                assert!(sums.log_total.is_nan(), "{unit}, {place}: {sums:?}");
+                assert!(sums.mean.is_nan(), "{unit}, {place}: {sums:?}");
             }
         }
     }

@@ -3,12 +3,11 @@
 //! Every product has the form C[m][n] (+)= Σ_k A(m, k) · B[k][n], vectorised along n, with A read
 //! one number at a time: so A may as well be transposed, and no operand is ever packed.
 
-use super::unit::{Arithmetic, Tile, dispatched};
+use pubs_core::vector::{Arithmetic, LANES, dispatched};
 
-/// Rows of parameters and activations are padded to a multiple of this many numbers.
-pub(crate) const LANES: usize = 16;
+use super::tile::{Tile, Tiled};
 
-/// `width` rounded up to a whole number of vectors.
+/// `width` rounded up to a whole number of vectors, as rows of parameters and activations are.
 pub(crate) fn padded(width: usize) -> usize {
     width.next_multiple_of(LANES)
 }
@@ -56,11 +55,11 @@ pub(crate) struct Shape {
 
 dispatched! {
     /// C[m][n] = start + Σ_k A(m, k) · B[k][n].
-    fn multiply(shape: Shape, left: Left<'_>, right: &[f32], start: Start<'_>, product: &mut [f32]) = multiply_body
+    pub(crate) fn multiply(shape: Shape, left: Left<'_>, right: &[f32], start: Start<'_>, product: &mut [f32]) = multiply_body
 }
 
 #[inline(always)]
-fn multiply_body<A: Arithmetic>(
+fn multiply_body<A: Tiled>(
     shape: Shape,
     left: Left<'_>,
     right: &[f32],

@@ -2,11 +2,8 @@
 
 pub(crate) mod buffer;
 pub(crate) mod column;
-pub(crate) mod exponential;
 pub(crate) mod matrix;
 pub(crate) mod sum;
 pub(crate) mod tanh;
+pub(crate) mod tile;
 pub(crate) mod transpose;
-pub(crate) mod unit;
-
-pub use unit::VectorUnit;

@@ -1,13 +1,13 @@
 //! Sums over all parameters.
 
-use super::unit::{Arithmetic, dispatched};
+use pubs_core::vector::{Arithmetic, dispatched};
 
 /// Partial sums, enough to hide the latency of an addition on every unit.
 const PARTS: usize = 64;
 
 dispatched! {
     /// Σ values².
-    fn sum_of_squares(values: &[f32], sum: &mut f32) = sum_of_squares_body
+    pub(crate) fn sum_of_squares(values: &[f32], sum: &mut f32) = sum_of_squares_body
 }
 
 #[inline(always)]

@@ -1,7 +1,6 @@
 //! The activation function and its derivative.
 
-use super::matrix::LANES;
-use super::unit::{Arithmetic, dispatched};
+use pubs_core::vector::{Arithmetic, LANES, dispatched};
 
 /// tanh x is within 1e-7 of ±1 from here on.
 const SATURATED: f32 = 8.4;
@@ -25,7 +24,7 @@ const Q: [f32; 5] = [
 
 /// tanh x, relative error below 4e-7; NaN stays NaN.
 #[inline(always)]
-pub(crate) fn tanh<A: Arithmetic>(x: f32) -> f32 {
+fn tanh<A: Arithmetic>(x: f32) -> f32 {
     let x = x.clamp(-SATURATED, SATURATED);
     let t = x * x;
     let (mut p, mut q) = (P[0], Q[0]);
@@ -38,7 +37,7 @@ pub(crate) fn tanh<A: Arithmetic>(x: f32) -> f32 {
 
 dispatched! {
     /// Each value becomes its tanh.
-    fn apply_tanh(values: &mut [f32]) = apply_tanh_body
+    pub(crate) fn apply_tanh(values: &mut [f32]) = apply_tanh_body
 }
 
 #[inline(always)]
@@ -51,7 +50,7 @@ fn apply_tanh_body<A: Arithmetic>(values: &mut [f32]) {
 dispatched! {
     /// Takes gradients `[n][width]` back through tanh, whose results `[n][width]` were `outputs`,
     /// and adds their sums over n to `bias_gradients` `[width]`.
-    fn backward_tanh(outputs: &[f32], gradients: &mut [f32], bias_gradients: &mut [f32]) = backward_tanh_body
+    pub(crate) fn backward_tanh(outputs: &[f32], gradients: &mut [f32], bias_gradients: &mut [f32]) = backward_tanh_body
 }
 
 #[inline(always)]

@@ -1,7 +1,8 @@
 //! Transposed copies of weights.
 
-use super::matrix::{LANES, padded};
-use super::unit::{Arithmetic, dispatched};
+use pubs_core::vector::{Arithmetic, LANES, dispatched};
+
+use super::matrix::padded;
 
 /// Lines of a square block, each in a cache line of its own.
 #[derive(Clone, Copy)]
@@ -11,7 +12,7 @@ struct Block([[f32; LANES]; LANES]);
 dispatched! {
     /// transposed[c][r] = matrix[r][c]. `columns` is a multiple of [`LANES`]; the rows of the
     /// result are `padded(rows)` long, zero beyond `rows`.
-    fn transpose(rows: usize, columns: usize, matrix: &[f32], transposed: &mut [f32]) = transpose_body
+    pub(crate) fn transpose(rows: usize, columns: usize, matrix: &[f32], transposed: &mut [f32]) = transpose_body
 }
 
 #[inline(always)]

@@ -16,6 +16,7 @@ pub(crate) use workspace::Workspace;
 
 use std::ops::Range;
 
+use pubs_core::vector::VectorUnit;
 use rand::Rng;
 
 use crate::kernels::buffer::Buffer;
@@ -23,7 +24,6 @@ use crate::kernels::column::{BLOCK, Column};
 use crate::kernels::matrix::{Left, Shape, Start, multiply, padded};
 use crate::kernels::tanh::apply_tanh;
 use crate::kernels::transpose::transpose;
-use crate::kernels::unit::VectorUnit;
 
 /// Parameters of a perceptron and their gradients.
 #[derive(Debug, Clone)]

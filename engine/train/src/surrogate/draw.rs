@@ -26,7 +26,9 @@ fn uniform(from: f64, to: f64, integer: bool, rng: &mut impl Rng) -> f64 {
     let share = rng.random::<f64>();
     if integer {
         // Each whole number owns the half-unit on either side of it.
-        (from - 0.5 + share * (to - from + 1.0)).round().clamp(from, to)
+        (from - 0.5 + share * (to - from + 1.0))
+            .round()
+            .clamp(from, to)
     } else {
         from + share * (to - from)
     }

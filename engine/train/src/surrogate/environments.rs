@@ -41,7 +41,9 @@ pub struct SurrogateEnvironments {
 impl SurrogateEnvironments {
     /// Episodes begun.
     pub fn new(task: Arc<Task>, model: &Arc<dyn Model>, options: TrainingOptions) -> Self {
-        let episodes = (0..options.count).map(|_| Episode::new(Arc::clone(&task), Arc::clone(model))).collect();
+        let episodes = (0..options.count)
+            .map(|_| Episode::new(Arc::clone(&task), Arc::clone(model)))
+            .collect();
         let mut environments = Self {
             task,
             options,
@@ -92,7 +94,10 @@ impl Environments for SurrogateEnvironments {
         let actions = self.actions();
         for (index, episode) in self.episodes.iter().enumerate() {
             episode.features(&mut features[index * width..(index + 1) * width]);
-            episode.allowed(self.options.shield.as_ref(), &mut allowed[index * actions..(index + 1) * actions]);
+            episode.allowed(
+                self.options.shield.as_ref(),
+                &mut allowed[index * actions..(index + 1) * actions],
+            );
         }
     }
 
@@ -100,7 +105,10 @@ impl Environments for SurrogateEnvironments {
         let width = self.features();
         for (index, (&action, outcome)) in actions.iter().zip(outcomes).enumerate() {
             let step = self.episodes[index].step(action, &mut self.rng)?;
-            let capped = self.options.episode_cap.is_some_and(|cap| self.episodes[index].steps() >= cap);
+            let capped = self
+                .options
+                .episode_cap
+                .is_some_and(|cap| self.episodes[index].steps() >= cap);
             let end = match step.stopped {
                 Some(_) => Some(End::Terminated),
                 None => capped.then_some(End::Truncated),
@@ -113,7 +121,8 @@ impl Environments for SurrogateEnvironments {
             };
             self.successes += u32::from(outcome.success);
             if end.is_some() {
-                self.episodes[index].features(&mut self.last_features[index * width..(index + 1) * width]);
+                self.episodes[index]
+                    .features(&mut self.last_features[index * width..(index + 1) * width]);
                 self.begin(index);
             }
         }

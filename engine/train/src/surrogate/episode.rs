@@ -84,7 +84,11 @@ impl Episode {
     /// Mean, entropy and, where `features` has room for three, mean − goal.
     pub fn features(&self, features: &mut [f32]) {
         let summary = self.filter.summary();
-        let all = [summary.mean as f32, summary.entropy as f32, (summary.mean - self.goal) as f32];
+        let all = [
+            summary.mean as f32,
+            summary.entropy as f32,
+            (summary.mean - self.goal) as f32,
+        ];
         features.copy_from_slice(&all[..features.len()]);
     }
 
@@ -101,14 +105,29 @@ impl Episode {
         self.steps += 1;
         let task = Arc::clone(&self.task);
         let (reward, action) = (&task.reward, &task.actions[index]);
-        let Motion::Move { displacement, observations, .. } = action.motion else {
+        let Motion::Move {
+            displacement,
+            observations,
+            ..
+        } = action.motion
+        else {
             let state = self.simulator.state();
             let reached = reward.in_goal_region(state, self.goal);
-            let stopped = if reached { Stopped::Reached } else { Stopped::Missed };
-            return Ok(Step { reward: reward.of_stop(state, self.goal) + reward.time, stopped: Some(stopped) });
+            let stopped = if reached {
+                Stopped::Reached
+            } else {
+                Stopped::Missed
+            };
+            return Ok(Step {
+                reward: reward.of_stop(state, self.goal) + reward.time,
+                stopped: Some(stopped),
+            });
         };
         if violates_safety(&task.joint, action, self.simulator.state()) {
-            return Ok(Step { reward: reward.safety_violation + reward.time, stopped: Some(Stopped::Violated) });
+            return Ok(Step {
+                reward: reward.safety_violation + reward.time,
+                stopped: Some(Stopped::Violated),
+            });
         }
         for _ in 0..observations {
             let part = displacement / f64::from(observations);
@@ -117,11 +136,17 @@ impl Episode {
                 Ok(_) => {}
                 Err(BeliefError::Impossible { .. }) => {
                     let reward = reward.failed_stop + reward.time;
-                    return Ok(Step { reward, stopped: Some(Stopped::Lost) });
+                    return Ok(Step {
+                        reward,
+                        stopped: Some(Stopped::Lost),
+                    });
                 }
                 Err(error) => return Err(error),
             }
         }
-        Ok(Step { reward: reward.time, stopped: None })
+        Ok(Step {
+            reward: reward.time,
+            stopped: None,
+        })
     }
 }

@@ -5,12 +5,12 @@
 //! belief, reward. The filter is the robot's own, and runs as often per policy step.
 
 mod draw;
-mod episode;
 mod environments;
+mod episode;
 mod simulator;
 
-pub use environments::{SurrogateEnvironments, TrainingOptions};
 pub use draw::{draw_goal, draw_start};
+pub use environments::{SurrogateEnvironments, TrainingOptions};
 pub use episode::{Episode, Step, Stopped};
 pub use simulator::Simulator;
 

@@ -42,7 +42,10 @@ impl Simulator {
             lower: task.joint.lower,
             upper: task.joint.upper,
             integer: task.joint.is_integer(),
-            threshold: task.joint.geometry().map(|geometry| geometry.motion_threshold_m * task.joint.per_metre()),
+            threshold: task
+                .joint
+                .geometry()
+                .map(|geometry| geometry.motion_threshold_m * task.joint.per_metre()),
             force_threshold_n: task.control.map(|control| control.force_threshold_n as f32),
             motion_channel: motion_channel.filter(|_| on_arm),
             force_channel: force_channel.filter(|_| on_arm),
@@ -109,8 +112,15 @@ impl Simulator {
     /// Moments of one transition; false where the model has none.
     fn predict(&mut self, action: usize, before: f64, after: f64) -> Result<bool, ModelError> {
         let (before, after) = ([before as f32], [after as f32]);
-        let transitions = Transitions { action, before: &before, after: &after };
-        Ok(self.model.moments(transitions, &mut self.mean, &mut self.sigma)? == Support::Given)
+        let transitions = Transitions {
+            action,
+            before: &before,
+            after: &after,
+        };
+        Ok(self
+            .model
+            .moments(transitions, &mut self.mean, &mut self.sigma)?
+            == Support::Given)
     }
 
     /// Whether the handle stays where it is although the action would move it: the force at the
@@ -120,7 +130,13 @@ impl Simulator {
         if let Some(channel) = self.motion_channel {
             return rng.random::<f32>() >= self.mean[channel];
         }
-        let safe = matches!(action.motion, Motion::Move { mode: Mode::Safe, .. });
+        let safe = matches!(
+            action.motion,
+            Motion::Move {
+                mode: Mode::Safe,
+                ..
+            }
+        );
         match (self.force_channel, self.force_threshold_n) {
             (Some(channel), Some(threshold)) if safe => {
                 let noise: f32 = rng.sample(StandardNormal);
@@ -132,7 +148,11 @@ impl Simulator {
 
     fn draw(&mut self, displacement: f64, rng: &mut impl Rng) {
         // Share of the noise that a reading keeps from the one before: e^(−travel/correlation).
-        let kept = if self.correlation > 0.0 { (-displacement.abs() / self.correlation).exp() as f32 } else { 0.0 };
+        let kept = if self.correlation > 0.0 {
+            (-displacement.abs() / self.correlation).exp() as f32
+        } else {
+            0.0
+        };
         let fresh = (1.0 - kept * kept).sqrt();
         for (index, channel) in self.model.channels().iter().enumerate() {
             self.observation[index] = match channel.kind {
@@ -145,7 +165,9 @@ impl Simulator {
                 // On an arm m_p is what the handle did; elsewhere it is drawn.
                 ChannelKind::Bernoulli => {
                     let one = match self.threshold {
-                        Some(threshold) if self.motion_channel == Some(index) => displacement.abs() > threshold,
+                        Some(threshold) if self.motion_channel == Some(index) => {
+                            displacement.abs() > threshold
+                        }
                         _ => rng.random::<f32>() < self.mean[index],
                     };
                     f32::from(u8::from(one))
@@ -154,15 +176,30 @@ impl Simulator {
         }
     }
 
-    fn draw_from_model(&mut self, action: usize, before: f64, after: f64, rng: &mut impl Rng) -> Result<(), ModelError> {
+    fn draw_from_model(
+        &mut self,
+        action: usize,
+        before: f64,
+        after: f64,
+        rng: &mut impl Rng,
+    ) -> Result<(), ModelError> {
         for normal in &mut self.normals {
             *normal = rng.sample(StandardNormal);
         }
         let (before, after) = ([before as f32], [after as f32]);
-        let transitions = Transitions { action, before: &before, after: &after };
-        match self.model.sample(transitions, &self.normals, &mut self.observation)? {
+        let transitions = Transitions {
+            action,
+            before: &before,
+            after: &after,
+        };
+        match self
+            .model
+            .sample(transitions, &self.normals, &mut self.observation)?
+        {
             Support::Given => Ok(()),
-            Support::Absent => Err(ModelError("the observation model provides neither moments nor sample".to_owned())),
+            Support::Absent => Err(ModelError(
+                "the observation model provides neither moments nor sample".to_owned(),
+            )),
         }
     }
 }

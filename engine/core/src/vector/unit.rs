@@ -6,17 +6,18 @@ use std::fmt;
 /// holding one is the proof that its instructions may be executed.
 ///
 /// Results are the same for a seed on one unit; between units they differ in the last bits,
-/// so every output that should be repeatable names its unit.
+/// because only some fuse multiply and add, so every output that should be repeatable names its
+/// unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct VectorUnit(pub(crate) Instructions);
+pub struct VectorUnit(Instructions);
 
 /// The instruction sets for which kernels are compiled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Instructions {
-    /// 16 lanes, fused multiply-add.
+pub enum Instructions {
+    /// AVX-512 F, BW, DQ and VL: 16 lanes, fused multiply-add.
     #[cfg(target_arch = "x86_64")]
     Avx512,
-    /// 8 lanes, fused multiply-add.
+    /// AVX2 and FMA: 8 lanes, fused multiply-add.
     #[cfg(target_arch = "x86_64")]
     Avx2,
     /// What every machine of the target architecture has; no fused multiply-add.
@@ -36,8 +37,14 @@ impl VectorUnit {
         let mut units = Vec::new();
         #[cfg(target_arch = "x86_64")]
         {
+            // The features that `dispatched!` enables, no fewer.
             let avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
-            if avx2 && is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512dq") {
+            let avx512 = avx2
+                && is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512bw")
+                && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512vl");
+            if avx512 {
                 units.push(Self(Instructions::Avx512));
             }
             if avx2 {
@@ -67,6 +74,12 @@ impl VectorUnit {
             Instructions::Portable => "portable",
         }
     }
+
+    /// The instructions that this unit executes.
+    #[must_use]
+    pub fn instructions(self) -> Instructions {
+        self.0
+    }
 }
 
 impl fmt::Display for VectorUnit {
@@ -76,36 +89,24 @@ impl fmt::Display for VectorUnit {
 }
 
 /// What differs between the units inside a kernel's source.
-pub(crate) trait Arithmetic: Copy {
+pub trait Arithmetic: Copy {
     /// a · b + c, rounded once where the unit has a fused multiply-add.
     fn multiply_add(a: f32, b: f32, c: f32) -> f32;
-
-    /// Shape of the register tile of the matrix product.
-    const TILE: Tile;
 }
 
-/// Shapes of the register tile: as many accumulators as the unit's registers hold, and at least
-/// the eight that hide the latency of a multiply-add.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Tile {
-    /// 32 registers of 16 lanes.
-    #[cfg(target_arch = "x86_64")]
-    Large,
-    /// 16 registers of 8 lanes.
-    #[cfg(target_arch = "x86_64")]
-    Medium,
-    /// 16 registers of 4 lanes.
-    Small,
-}
+/// Arithmetic of [`Instructions::Avx512`].
+#[cfg(target_arch = "x86_64")]
+#[derive(Debug, Clone, Copy)]
+pub struct Avx512;
 
+/// Arithmetic of [`Instructions::Avx2`].
 #[cfg(target_arch = "x86_64")]
-#[derive(Clone, Copy)]
-pub(crate) struct Avx512;
-#[cfg(target_arch = "x86_64")]
-#[derive(Clone, Copy)]
-pub(crate) struct Avx2;
-#[derive(Clone, Copy)]
-pub(crate) struct Portable;
+#[derive(Debug, Clone, Copy)]
+pub struct Avx2;
+
+/// Arithmetic of [`Instructions::Portable`].
+#[derive(Debug, Clone, Copy)]
+pub struct Portable;
 
 #[cfg(target_arch = "x86_64")]
 impl Arithmetic for Avx512 {
@@ -113,8 +114,6 @@ impl Arithmetic for Avx512 {
     fn multiply_add(a: f32, b: f32, c: f32) -> f32 {
         a.mul_add(b, c)
     }
-
-    const TILE: Tile = Tile::Large;
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -123,8 +122,6 @@ impl Arithmetic for Avx2 {
     fn multiply_add(a: f32, b: f32, c: f32) -> f32 {
         a.mul_add(b, c)
     }
-
-    const TILE: Tile = Tile::Medium;
 }
 
 impl Arithmetic for Portable {
@@ -132,47 +129,59 @@ impl Arithmetic for Portable {
     fn multiply_add(a: f32, b: f32, c: f32) -> f32 {
         a * b + c
     }
-
-    const TILE: Tile = Tile::Small;
 }
 
-/// Defines a function that runs a generic kernel body compiled for the given [`VectorUnit`].
+/// Defines a function that runs a generic kernel body compiled for the given
+/// [`VectorUnit`](crate::vector::VectorUnit).
 ///
-/// `fn name(unit, arguments…) = body` calls `body::<A>(arguments…)` with `A: Arithmetic`. The
-/// body is marked `#[inline(always)]`, so that its loops are vectorised inside a function that
-/// has the unit's features.
+/// `fn name(arguments…) -> Result = body` becomes `fn name(unit, arguments…) -> Result`, which
+/// calls `body::<A>(arguments…)` with `A:` [`Arithmetic`](crate::vector::Arithmetic). The body is
+/// marked `#[inline(always)]`, so that its loops are vectorised inside a function that has the
+/// unit's features.
+#[macro_export]
 macro_rules! dispatched {
-    ($(#[$attribute:meta])* fn $name:ident ( $($argument:ident : $type:ty),* $(,)? ) = $body:ident) => {
+    ($(#[$attribute:meta])* $visible:vis fn $name:ident($($argument:ident: $kind:ty),* $(,)?) $(-> $result:ty)? = $body:ident) => {
         $(#[$attribute])*
         #[allow(clippy::too_many_arguments)]
-        pub(crate) fn $name(unit: $crate::kernels::unit::VectorUnit, $($argument: $type),*) {
-            use $crate::kernels::unit::{Instructions, Portable};
+        $visible fn $name(unit: $crate::vector::VectorUnit, $($argument: $kind),*) $(-> $result)? {
             #[cfg(target_arch = "x86_64")]
-            use $crate::kernels::unit::{Avx2, Avx512};
-
-            #[cfg(target_arch = "x86_64")]
-            #[target_feature(enable = "avx512f,avx512dq,avx2,fma")]
-            fn avx512($($argument: $type),*) {
-                $body::<Avx512>($($argument),*);
+            #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma")]
+            fn avx512($($argument: $kind),*) $(-> $result)? {
+                $body::<$crate::vector::Avx512>($($argument),*)
             }
 
             #[cfg(target_arch = "x86_64")]
             #[target_feature(enable = "avx2,fma")]
-            fn avx2($($argument: $type),*) {
-                $body::<Avx2>($($argument),*);
+            fn avx2($($argument: $kind),*) $(-> $result)? {
+                $body::<$crate::vector::Avx2>($($argument),*)
             }
 
-            match unit.0 {
+            match unit.instructions() {
                 // SAFETY: a `VectorUnit` of this kind is only made after the machine was asked
                 // for these features.
                 #[cfg(target_arch = "x86_64")]
-                Instructions::Avx512 => unsafe { avx512($($argument),*) },
+                $crate::vector::Instructions::Avx512 => unsafe { avx512($($argument),*) },
                 // SAFETY: as above.
                 #[cfg(target_arch = "x86_64")]
-                Instructions::Avx2 => unsafe { avx2($($argument),*) },
-                Instructions::Portable => $body::<Portable>($($argument),*),
+                $crate::vector::Instructions::Avx2 => unsafe { avx2($($argument),*) },
+                $crate::vector::Instructions::Portable => {
+                    $body::<$crate::vector::Portable>($($argument),*)
+                }
             }
         }
     };
 }
-pub(crate) use dispatched;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_have_names_that_find_them() {
+        for unit in VectorUnit::available() {
+            assert_eq!(VectorUnit::by_name(unit.name()), Some(unit));
+        }
+        assert!(VectorUnit::by_name("portable").is_some());
+        assert_eq!(VectorUnit::by_name("abacus"), None);
+    }
+}

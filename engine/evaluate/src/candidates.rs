@@ -5,7 +5,7 @@
 //! would flatter it.
 
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -279,7 +279,7 @@ fn judge(
     plan: &TrainingPlan,
     network: &Network,
     contract: &Contract,
-    draft: &PathBuf,
+    draft: &Path,
     runtime: &Runtime,
     trials: &str,
 ) -> Result<Evaluation, TrainBestError> {

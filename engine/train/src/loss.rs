@@ -120,7 +120,7 @@ dispatched! {
     /// mean over samples of −min(A·r, A·clip(r, 1 ± clip_range)) − entropy_coefficient · H,
     ///
     /// r = π(a) / π_old(a) and H = −Σ π ln π.
-    fn policy_gradients(
+    pub(crate) fn policy_gradients(
         weights: Weights,
         samples: &Samples,
         policy: &Distribution,

@@ -16,6 +16,10 @@ dispatched! {
 }
 
 #[inline(always)]
+#[allow(
+    clippy::extra_unused_type_parameters,
+    reason = "every body that is dispatched takes the unit's arithmetic; this one needs none"
+)]
 fn transpose_body<A: Arithmetic>(
     rows: usize,
     columns: usize,

@@ -16,7 +16,7 @@ use pubs_core::shield::Shield;
 use pubs_core::task::{ObservationTable, PolicySettings};
 use pubs_core::{Action, Joint, JointKind, Mode, Motion, Task};
 use pubs_plugin::{Channel, ChannelKind, DriverStatus, Reading, Support, Transitions, Twist};
-use pubs_policy::{Contract, Dense, Existing, Feature, FeatureName, Network, Policy, Reference, Runtime, Unit};
+use pubs_policy::{Contract, Dense, Existing, Feature, FeatureName, Network, Policy, Reference, Runtime};
 use pubs_run::clock::now_ns;
 use pubs_run::{Arm, ArmError, GoalPlan, Outcome, RunOptions, RunReport, run};
 
@@ -83,12 +83,21 @@ impl Dummy {
         self.trouble == trouble && self.now().saturating_sub(self.start_ns) as f64 * 1e-9 > TROUBLE_AT_S
     }
 
+    /// Sideways, slowly enough to be no jump: 3 mm per control period up to 21 mm.
+    fn drift_m(&self) -> f64 {
+        if !self.is_in_trouble(Trouble::LeavesPath) {
+            return 0.0;
+        }
+        let time_s = (self.now() - self.start_ns) as f64 * 1e-9;
+        (0.3 * (time_s - TROUBLE_AT_S)).min(0.021)
+    }
+
     fn reading(&mut self) -> Reading {
         let now = self.now();
         self.position[1] += self.speed * (now - self.last_ns) as f64 * 1e-9;
         self.last_ns = now;
         let mut position_m = self.position;
-        position_m[0] += if self.is_in_trouble(Trouble::LeavesPath) { 0.021 } else { 0.0 };
+        position_m[0] += self.drift_m();
         position_m[1] += if self.is_in_trouble(Trouble::Jumps) { 0.05 } else { 0.0 };
         Reading {
             time_ns: now,
@@ -244,7 +253,7 @@ fn task() -> Task {
 
 /// A policy that always wants the same action.
 fn always(action: usize, folder: &Path) -> Policy {
-    let feature = |name, upper| Feature { name, unit: Unit::Plain, lower: 0.0, upper, offset: 0.0, scale: 1.0 };
+    let feature = |name, upper| Feature { name, unit: "1".to_owned(), lower: 0.0, upper, offset: 0.0, scale: 1.0 };
     let inputs = vec![feature(FeatureName::MeanState, 0.3), feature(FeatureName::Entropy, 1.0)];
     let bias: Vec<f32> = (0..3).map(|index| f32::from(u8::from(index == action))).collect();
     let network = Network {
@@ -380,8 +389,9 @@ fn a_belief_that_breaks_down_stops_the_arm() {
 
 #[test]
 fn a_violation_by_the_true_state_is_a_safety_stop() {
-    // 15 mm per step from 0.25 m: 0.265, 0.28, 0.295, and the next would pass 0.3 m.
-    let (report, log) = Case { action: 2, truth: Some(0.25), ..Case::new(Trouble::None, true) }.run();
+    // 15 mm per step, about 10 mm less at the start: the last step that fits ends near 0.295 m,
+    // the next would pass 0.3 m, and the ramp to rest takes 3 mm at most.
+    let (report, log) = Case { action: 2, truth: Some(0.247), ..Case::new(Trouble::None, true) }.run();
     assert_eq!(report.outcome, Outcome::SafetyStop, "{report:?}");
     assert_eq!(report.safety_violations, Some(1));
     assert_eq!(report.guard_stops, 0, "a violation is not a stop by the guard");

@@ -43,7 +43,9 @@ fn cargo_build(what: &[&str]) {
         "debug" => "dev",
         name => name,
     };
-    let output = Command::new(env!("CARGO"))
+    // `cargo test` names itself here; its lock on the target folder is free while tests run.
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let output = Command::new(cargo)
         .current_dir(root())
         .args(["build", "--profile", profile, "--target-dir"])
         .arg(folder.parent().unwrap())
@@ -132,14 +134,14 @@ impl Answer {
         self
     }
 
-    /// Everything it said to a person.
+    /// Looks in both streams: a fault is a result of `check`, which goes to stdout, and talk elsewhere.
     pub fn assert_says(&self, words: &[&str]) -> &Self {
+        let told = format!("{}{}", self.stdout, self.stderr);
         for word in words {
             assert!(
-                self.stderr.contains(word),
-                "{}\n`{word}` is missing in: {}",
-                self.arguments,
-                self.stderr
+                told.contains(word),
+                "{}\n`{word}` is missing in: {told}",
+                self.arguments
             );
         }
         self

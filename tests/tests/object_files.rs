@@ -47,7 +47,7 @@ const FAULTS: [Fault; 6] = [
         start: "force_limit_n",
         replacement: "force_limit_n = nan",
         key: "control.force_limit_n",
-        words: "nan",
+        words: "is NaN",
     },
     Fault {
         start: "tempering",

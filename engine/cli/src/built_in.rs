@@ -6,5 +6,8 @@ use pubs_host::{Registry, search_path};
 
 /// Built-in plugins, and those in `plugin_dirs`, in `PUBS_PLUGIN_PATH` and beside the executable.
 pub fn registry(plugin_dirs: &[PathBuf]) -> Registry {
-    Registry::new(&[pubs_segments::table(), pubs_virtual_arm::table()], search_path(plugin_dirs))
+    Registry::new(
+        &[pubs_segments::table(), pubs_virtual_arm::table()],
+        search_path(plugin_dirs),
+    )
 }

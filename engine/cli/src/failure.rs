@@ -24,17 +24,26 @@ pub enum Failure {
 impl Failure {
     /// Something failed that is not the user's doing.
     pub fn fault(error: &dyn Error) -> Self {
-        Self::Other { code: exit::FAULT, message: chain(error) }
+        Self::Other {
+            code: exit::FAULT,
+            message: chain(error),
+        }
     }
 
     /// The user's words cannot be followed.
     pub fn invalid(message: impl Into<String>) -> Self {
-        Self::Other { code: exit::INVALID, message: message.into() }
+        Self::Other {
+            code: exit::INVALID,
+            message: message.into(),
+        }
     }
 
     /// A plugin or policy does not fit.
     pub fn incompatible(message: impl Into<String>) -> Self {
-        Self::Other { code: exit::INCOMPATIBLE, message: message.into() }
+        Self::Other {
+            code: exit::INCOMPATIBLE,
+            message: message.into(),
+        }
     }
 
     /// Writes the report to stderr; the exit code.

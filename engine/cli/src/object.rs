@@ -24,15 +24,25 @@ pub struct Ready {
 ///
 /// # Errors
 /// Every fault of the file, or a plugin that does not fit.
-pub fn ready(path: &Path, overrides: &Overrides, registry: &Registry, seed: u64) -> Result<Ready, Failure> {
+pub fn ready(
+    path: &Path,
+    overrides: &Overrides,
+    registry: &Registry,
+    seed: u64,
+) -> Result<Ready, Failure> {
     let loaded = object::load(path, overrides)?;
     let task = compile(&loaded.file).map_err(|error| Failure::fault(&error))?;
     let faults = parameter_faults(&loaded, &task, registry);
     if !faults.is_empty() {
         return Err(Failure::Faults(Faults(faults)));
     }
-    let model = registry.observation_model(&task.observation.model)?.create(&task.model_setup(stream(seed, "model")))?;
-    Ok(Ready { task: Arc::new(task), model: Arc::new(model) })
+    let model = registry
+        .observation_model(&task.observation.model)?
+        .create(&task.model_setup(stream(seed, "model")))?;
+    Ok(Ready {
+        task: Arc::new(task),
+        model: Arc::new(model),
+    })
 }
 
 /// Everything about one file that can be checked without moving anything.
@@ -49,8 +59,14 @@ pub fn faults(path: &Path, overrides: &Overrides, registry: &Registry) -> Vec<Fa
     if !faults.is_empty() {
         return faults;
     }
-    let created = registry.observation_model(&task.observation.model).and_then(|plugin| plugin.create(&task.model_setup(0)));
-    created.err().map(|error| model_fault(&loaded, &error)).into_iter().collect()
+    let created = registry
+        .observation_model(&task.observation.model)
+        .and_then(|plugin| plugin.create(&task.model_setup(0)));
+    created
+        .err()
+        .map(|error| model_fault(&loaded, &error))
+        .into_iter()
+        .collect()
 }
 
 /// What plugins say of the tables that are theirs.
@@ -59,9 +75,18 @@ fn parameter_faults(loaded: &LoadedObject, task: &Task, registry: &Registry) -> 
     match registry.observation_model(&task.observation.model) {
         Ok(plugin) => {
             let found = plugin.check_parameters(&task.observation.table);
-            faults.extend(at_their_lines(loaded, "observation", &task.observation.model, found));
+            faults.extend(at_their_lines(
+                loaded,
+                "observation",
+                &task.observation.model,
+                found,
+            ));
         }
-        Err(error) => faults.push(loaded.fault("observation.model", error.to_string(), "name a plugin that `pubs-engine plugins list` shows")),
+        Err(error) => faults.push(loaded.fault(
+            "observation.model",
+            error.to_string(),
+            "name a plugin that `pubs-engine plugins list` shows",
+        )),
     }
     if let Some(driver) = &task.driver {
         match registry.driver(&driver.plugin) {
@@ -69,18 +94,39 @@ fn parameter_faults(loaded: &LoadedObject, task: &Task, registry: &Registry) -> 
                 let found = plugin.check_parameters(&driver.table);
                 faults.extend(at_their_lines(loaded, "driver", &driver.plugin, found));
             }
-            Err(error) => faults.push(loaded.fault("driver.plugin", error.to_string(), "name a plugin that `pubs-engine plugins list` shows")),
+            Err(error) => faults.push(loaded.fault(
+                "driver.plugin",
+                error.to_string(),
+                "name a plugin that `pubs-engine plugins list` shows",
+            )),
         }
     }
     faults
 }
 
-fn at_their_lines(loaded: &LoadedObject, table: &str, plugin: &str, found: Vec<ParameterFault>) -> Vec<Fault> {
-    let help = format!("the plugin `{plugin}` says what its parameters are: `pubs-engine plugins list --schema`");
-    let fault = |fault: ParameterFault| loaded.fault(&key_of_pointer(table, &fault.pointer), fault.message, help.clone());
+fn at_their_lines(
+    loaded: &LoadedObject,
+    table: &str,
+    plugin: &str,
+    found: Vec<ParameterFault>,
+) -> Vec<Fault> {
+    let help = format!(
+        "the plugin `{plugin}` says what its parameters are: `pubs-engine plugins list --schema`"
+    );
+    let fault = |fault: ParameterFault| {
+        loaded.fault(
+            &key_of_pointer(table, &fault.pointer),
+            fault.message,
+            help.clone(),
+        )
+    };
     found.into_iter().map(fault).collect()
 }
 
 fn model_fault(loaded: &LoadedObject, error: &HostError) -> Fault {
-    loaded.fault("observation", error.to_string(), "mend the [observation] table, or the plugin it names")
+    loaded.fault(
+        "observation",
+        error.to_string(),
+        "mend the [observation] table, or the plugin it names",
+    )
 }

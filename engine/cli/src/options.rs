@@ -50,6 +50,7 @@ impl RuntimeOptions {
     /// # Errors
     /// Where the library cannot be used.
     pub fn runtime(&self) -> Result<Runtime, Failure> {
-        Runtime::from_library(self.onnxruntime.as_deref()).map_err(|error| Failure::incompatible(chain(&error)))
+        Runtime::from_library(self.onnxruntime.as_deref())
+            .map_err(|error| Failure::incompatible(chain(&error)))
     }
 }

@@ -23,22 +23,37 @@ pub const MAX_STEPS: u32 = 250;
 
 /// Where an object's policies lie: `policies` beside the folder of its object file.
 pub fn folder_of(object: &Path) -> PathBuf {
-    let folder = object.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    folder.join("..").join("policies").canonicalize().unwrap_or_else(|_| folder.join("../policies"))
+    let folder = object
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
+    folder
+        .join("..")
+        .join("policies")
+        .canonicalize()
+        .unwrap_or_else(|_| folder.join("../policies"))
 }
 
 /// A file that the user named; it must fit every goal.
 ///
 /// # Errors
 /// Where it cannot be read or was made for something else.
-pub fn named(path: &Path, foreign: Option<&[FeatureName]>, task: &Task, goals: &[Option<f64>]) -> Result<PolicyFile, Failure> {
+pub fn named(
+    path: &Path,
+    foreign: Option<&[FeatureName]>,
+    task: &Task,
+    goals: &[Option<f64>],
+) -> Result<PolicyFile, Failure> {
     let incompatible = |error: &dyn std::error::Error| Failure::incompatible(chain(error));
     if let Some(inputs) = foreign {
-        return PolicyFile::read_foreign(path, inputs, task.actions.len()).map_err(|error| incompatible(&error));
+        return PolicyFile::read_foreign(path, inputs, task.actions.len())
+            .map_err(|error| incompatible(&error));
     }
     let file = PolicyFile::read(path).map_err(|error| incompatible(&error))?;
     for goal in goals {
-        let warnings = file.check(&expected_of(task, *goal)).map_err(|error| incompatible(&error))?;
+        let warnings = file
+            .check(&expected_of(task, *goal))
+            .map_err(|error| incompatible(&error))?;
         for warning in warnings {
             show::say(&format!("warning: {}: {warning}", path.display()));
         }
@@ -69,9 +84,16 @@ pub fn found_or_trained(
         show::say(&format!("note: passed over {reason}"));
     }
     let path = free_name(folder, &ready.task);
-    show::say(&format!("note: no policy in {} fits; training one for every goal", folder.display()));
-    std::fs::create_dir_all(folder)
-        .map_err(|error| Failure::invalid(format!("cannot make the folder {}: {error}", folder.display())))?;
+    show::say(&format!(
+        "note: no policy in {} fits; training one for every goal",
+        folder.display()
+    ));
+    std::fs::create_dir_all(folder).map_err(|error| {
+        Failure::invalid(format!(
+            "cannot make the folder {}: {error}",
+            folder.display()
+        ))
+    })?;
     let plan = TrainingPlan {
         recipe: Recipe::standard(),
         goals: Goals::Every,
@@ -85,7 +107,11 @@ pub fn found_or_trained(
     show::say(&format!(
         "note: trained {} in {:.1} s (success {:.2} % of {} trials)",
         path.display(),
-        result.candidates.iter().map(|candidate| candidate.time_s).fold(0.0, f64::max),
+        result
+            .candidates
+            .iter()
+            .map(|candidate| candidate.time_s)
+            .fold(0.0, f64::max),
         100.0 * result.evaluation.success_rate,
         result.evaluation.trials,
     ));
@@ -104,7 +130,9 @@ fn fits(path: &Path, task: &Task, goals: &[Option<f64>]) -> Result<PolicyFile, S
     let file = PolicyFile::read(path).map_err(|error| chain(&error))?;
     let mut warnings = Vec::new();
     for goal in goals {
-        warnings = file.check(&expected_of(task, *goal)).map_err(|error| chain(&error))?;
+        warnings = file
+            .check(&expected_of(task, *goal))
+            .map_err(|error| chain(&error))?;
     }
     for warning in warnings {
         show::say(&format!("warning: {}: {warning}", path.display()));
@@ -116,12 +144,21 @@ fn fits(path: &Path, task: &Task, goals: &[Option<f64>]) -> Result<PolicyFile, S
 fn candidates(folder: &Path, object: &str) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let is_ours = |path: &PathBuf| {
-        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        let name = path
+            .file_name()
+            .and_then(|name| name.to_str())
+            .unwrap_or_default();
         let rest = name.strip_prefix(object).unwrap_or_default();
-        rest == ".onnx" || ((rest.starts_with('-') || rest.starts_with('.')) && rest.ends_with(".onnx"))
+        rest == ".onnx"
+            || ((rest.starts_with('-') || rest.starts_with('.')) && rest.ends_with(".onnx"))
     };
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).filter(is_ours).collect();
-    paths.sort_by_key(|path| (path.file_stem().is_none_or(|stem| stem != object), path.clone()));
+    paths.sort_by_key(|path| {
+        (
+            path.file_stem().is_none_or(|stem| stem != object),
+            path.clone(),
+        )
+    });
     paths
 }
 

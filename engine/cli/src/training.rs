@@ -36,7 +36,10 @@ pub fn train(
     runtime: &Runtime,
     interrupt: &AtomicBool,
 ) -> Result<TrainingResult, Failure> {
-    let bar = ProgressBar::new((plan.recipe.updates() * plan.recipe.rollout * plan.recipe.environments * plan.seeds.len()) as u64);
+    let bar = ProgressBar::new(
+        (plan.recipe.updates() * plan.recipe.rollout * plan.recipe.environments * plan.seeds.len())
+            as u64,
+    );
     bar.set_style(style());
     let latest = Mutex::new(vec![Progress::default(); plan.seeds.len()]);
     let report = |index: usize, progress: &Progress| {
@@ -44,12 +47,28 @@ pub fn train(
         latest[index] = *progress;
         bar.set_position(latest.iter().map(|progress| progress.steps as u64).sum());
         bar.set_message(describe(plan.seeds[index], progress));
-        if interrupt.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if interrupt.load(Ordering::Relaxed) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
     };
-    let result = train_best(&ready.task, &ready.model, plan, path, existing, runtime, &report);
+    let result = train_best(
+        &ready.task,
+        &ready.model,
+        plan,
+        path,
+        existing,
+        runtime,
+        &report,
+    );
     bar.finish_and_clear();
     let (candidates, best, evaluation) = result.map_err(failure)?;
-    Ok(TrainingResult { candidates, best, evaluation })
+    Ok(TrainingResult {
+        candidates,
+        best,
+        evaluation,
+    })
 }
 
 fn failure(error: TrainBestError) -> Failure {
@@ -62,8 +81,12 @@ fn failure(error: TrainBestError) -> Failure {
 }
 
 fn describe(seed: u64, progress: &Progress) -> String {
-    let percent = |rate: Option<f32>| rate.map_or_else(|| "–".to_owned(), |rate| format!("{:.1} %", 100.0 * rate));
-    let mean_return = progress.mean_return.map_or_else(|| "–".to_owned(), |value| format!("{value:.3}"));
+    let percent = |rate: Option<f32>| {
+        rate.map_or_else(|| "–".to_owned(), |rate| format!("{:.1} %", 100.0 * rate))
+    };
+    let mean_return = progress
+        .mean_return
+        .map_or_else(|| "–".to_owned(), |value| format!("{value:.3}"));
     format!(
         "seed {seed}: {:.0} steps/s, return {mean_return}, success {}, violations {}",
         progress.steps_per_s(),
@@ -76,4 +99,3 @@ fn style() -> ProgressStyle {
     ProgressStyle::with_template("training {bar:30} {percent:>3} %  {msg}  ({eta} left)")
         .unwrap_or_else(|_| ProgressStyle::default_bar())
 }
-

@@ -37,8 +37,18 @@ impl Control {
 
     /// [`stop_overshoot_n`] of this controller at `speed_m_s`.
     pub fn stop_overshoot_n(&self, speed_m_s: f64) -> f64 {
-        let Self { rate_hz, stop_deceleration_m_s2, contact_stiffness_n_per_m, .. } = *self;
-        stop_overshoot_n(speed_m_s, rate_hz, stop_deceleration_m_s2, contact_stiffness_n_per_m)
+        let Self {
+            rate_hz,
+            stop_deceleration_m_s2,
+            contact_stiffness_n_per_m,
+            ..
+        } = *self;
+        stop_overshoot_n(
+            speed_m_s,
+            rate_hz,
+            stop_deceleration_m_s2,
+            contact_stiffness_n_per_m,
+        )
     }
 
     /// v_s of eq. (13), signed along the path, positive towards open; `force_along_n` is

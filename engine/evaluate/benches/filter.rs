@@ -30,15 +30,27 @@ fn main() {
         let step_ns = measure(|| steps(&task, &model));
         println!(
             "N = {particles:<5} filter update {:>6.0} ns ({:.0}..{:.0}), {:.2} million/s; surrogate policy step {:>6.0} ns ({:.0}..{:.0})",
-            update_ns.1, update_ns.0, update_ns.2, 1e3 / update_ns.1, step_ns.1, step_ns.0, step_ns.2,
+            update_ns.1,
+            update_ns.0,
+            update_ns.2,
+            1e3 / update_ns.1,
+            step_ns.1,
+            step_ns.0,
+            step_ns.2,
         );
     }
-    println!("vector unit {}, median of {RUNS} runs (least..most)", pubs_core::vector::VectorUnit::best());
+    println!(
+        "vector unit {}, median of {RUNS} runs (least..most)",
+        pubs_core::vector::VectorUnit::best()
+    );
 }
 
 /// Least, median and most of several runs, ns per operation.
 fn measure(mut run: impl FnMut() -> (f64, u32)) -> (f64, f64, f64) {
-    let mut times: Vec<f64> = (0..RUNS).map(|_| run()).map(|(ns, count)| ns / f64::from(count)).collect();
+    let mut times: Vec<f64> = (0..RUNS)
+        .map(|_| run())
+        .map(|(ns, count)| ns / f64::from(count))
+        .collect();
     times.sort_by(f64::total_cmp);
     (times[0], times[RUNS / 2], times[RUNS - 1])
 }
@@ -51,7 +63,9 @@ fn updates(task: &Task, model: &Arc<dyn Model>) -> (f64, u32) {
     for update in 0..COUNT {
         let closing = update / 100 % 2 == 1;
         let (action, displacement) = if closing { (2, -0.005) } else { (1, 0.005) };
-        filter.update(action, displacement, &[1.6, 1.0, 0.2, 1.0]).unwrap();
+        filter
+            .update(action, displacement, &[1.6, 1.0, 0.2, 1.0])
+            .unwrap();
     }
     (begun.elapsed().as_nanos() as f64, COUNT)
 }
@@ -61,8 +75,9 @@ fn steps(task: &Arc<Task>, model: &Arc<dyn Model>) -> (f64, u32) {
     const COUNT: u32 = 5_000;
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
     let mut episode = Episode::new(Arc::clone(task), Arc::clone(model));
-    let moves: Vec<usize> =
-        (0..task.actions.len()).filter(|&index| matches!(task.actions[index].motion, Motion::Move { .. })).collect();
+    let moves: Vec<usize> = (0..task.actions.len())
+        .filter(|&index| matches!(task.actions[index].motion, Motion::Move { .. }))
+        .collect();
     let mut begin = |episode: &mut Episode, rng: &mut Xoshiro256PlusPlus| {
         let (start, goal) = (draw_start(&task.joint, rng), draw_goal(&task.joint, rng));
         episode.begin(start, goal, rng);

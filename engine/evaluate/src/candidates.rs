@@ -114,7 +114,16 @@ pub fn train_best(
         let network = network_of(task, plan.goals, &trained);
         let draft = folder.path().join(format!("{seed}.onnx"));
         let contract = contract_of(task, plan, seed, trained.progress.steps, 0.0, &network);
-        let evaluation = judge(task, model, plan, &network, &contract, &draft, runtime, "selection")?;
+        let evaluation = judge(
+            task,
+            model,
+            plan,
+            &network,
+            &contract,
+            &draft,
+            runtime,
+            "selection",
+        )?;
         candidates.push(Candidate {
             seed,
             steps: trained.progress.steps,
@@ -130,9 +139,32 @@ pub fn train_best(
     let chosen = &candidates[best];
     let draft = folder.path().join("best.onnx");
     let contract = contract_of(task, plan, chosen.seed, chosen.steps, 0.0, &chosen.network);
-    let fresh = judge(task, model, plan, &chosen.network, &contract, &draft, runtime, "report")?;
-    let contract = contract_of(task, plan, chosen.seed, chosen.steps, fresh.mean_reward, &chosen.network);
-    write(&chosen.network, &contract, path, existing, runtime, &task.joint)?;
+    let fresh = judge(
+        task,
+        model,
+        plan,
+        &chosen.network,
+        &contract,
+        &draft,
+        runtime,
+        "report",
+    )?;
+    let contract = contract_of(
+        task,
+        plan,
+        chosen.seed,
+        chosen.steps,
+        fresh.mean_reward,
+        &chosen.network,
+    );
+    write(
+        &chosen.network,
+        &contract,
+        path,
+        existing,
+        runtime,
+        &task.joint,
+    )?;
     Ok((candidates, best, fresh))
 }
 
@@ -146,15 +178,24 @@ fn train_all(
     let next = AtomicUsize::new(0);
     let results = Mutex::new(Vec::new());
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = plan.threads.unwrap_or(cores).clamp(1, plan.seeds.len().max(1));
+    let threads = plan
+        .threads
+        .unwrap_or(cores)
+        .clamp(1, plan.seeds.len().max(1));
     std::thread::scope(|scope| {
         for _ in 0..threads {
             scope.spawn(|| {
                 loop {
                     let index = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(&seed) = plan.seeds.get(index) else { break };
-                    let result = train_one(task, model, plan, seed, &|progress| report(index, progress));
-                    results.lock().unwrap_or_else(PoisonError::into_inner).push((index, result));
+                    let Some(&seed) = plan.seeds.get(index) else {
+                        break;
+                    };
+                    let result =
+                        train_one(task, model, plan, seed, &|progress| report(index, progress));
+                    results
+                        .lock()
+                        .unwrap_or_else(PoisonError::into_inner)
+                        .push((index, result));
                 }
             });
         }
@@ -194,36 +235,58 @@ fn train_one(
 /// Entropy is in [0, 1] already; mean − goal is measured in halves of the range, whatever range
 /// the mean is scaled to.
 fn scaling(joint: &Joint, goals: Goals, recipe: &Recipe) -> InputScaling {
-    let (offset, scale) = recipe.input_range.of_limits(joint.lower as f32, joint.upper as f32);
+    let (offset, scale) = recipe
+        .input_range
+        .of_limits(joint.lower as f32, joint.upper as f32);
     let offsets = [offset, 0.0, 0.0];
     let scales = [scale, 1.0, 2.0 / joint.range() as f32];
     let features = goals.features();
-    InputScaling { offset: offsets[..features].to_vec(), scale: scales[..features].to_vec() }
+    InputScaling {
+        offset: offsets[..features].to_vec(),
+        scale: scales[..features].to_vec(),
+    }
 }
 
 fn network_of(task: &Task, goals: Goals, trained: &Trained) -> Network {
     let joint = &task.joint;
     let (scaling, layers) = (trained.policy.scaling(), trained.policy.layers());
     let names = [
-        (FeatureName::MeanState, joint.unit(), joint.lower, joint.upper),
+        (
+            FeatureName::MeanState,
+            joint.unit(),
+            joint.lower,
+            joint.upper,
+        ),
         (FeatureName::Entropy, "1", 0.0, 1.0),
-        (FeatureName::MeanMinusGoal, joint.unit(), -joint.range(), joint.range()),
+        (
+            FeatureName::MeanMinusGoal,
+            joint.unit(),
+            -joint.range(),
+            joint.range(),
+        ),
     ];
-    let inputs = names[..goals.features()].iter().enumerate().map(|(index, &(name, unit, lower, upper))| Feature {
-        name,
-        unit: unit.to_owned(),
-        lower,
-        upper,
-        offset: f64::from(scaling.offset[index]),
-        scale: f64::from(scaling.scale[index]),
-    });
+    let inputs =
+        names[..goals.features()]
+            .iter()
+            .enumerate()
+            .map(|(index, &(name, unit, lower, upper))| Feature {
+                name,
+                unit: unit.to_owned(),
+                lower,
+                upper,
+                offset: f64::from(scaling.offset[index]),
+                scale: f64::from(scaling.scale[index]),
+            });
     let layers = layers.iter().map(|layer| Dense {
         inputs: layer.inputs,
         outputs: layer.outputs,
         weights: layer.weights.clone(),
         bias: layer.bias.clone(),
     });
-    Network { inputs: inputs.collect(), layers: layers.collect() }
+    Network {
+        inputs: inputs.collect(),
+        layers: layers.collect(),
+    }
 }
 
 /// The contract of a policy that `plan` trained on `task`.
@@ -244,14 +307,22 @@ pub fn contract_of(
         observation_hash: task.observation_hash(),
         goal: match plan.goals {
             Goals::Every => pubs_policy::Goal::Every,
-            Goals::One(value) => {
-                pubs_policy::Goal::Fixed { value, fraction: (value - task.joint.lower) / task.joint.range() }
-            }
+            Goals::One(value) => pubs_policy::Goal::Fixed {
+                value,
+                fraction: (value - task.joint.lower) / task.joint.range(),
+            },
         },
         tolerance: task.reward.goal_tolerance,
         inputs: network.inputs.clone(),
-        actions: task.actions.iter().map(|action| action.name.clone()).collect(),
-        shield: plan.shield.map(|shield| pubs_policy::Shield { mass: shield.mass, flattening: shield.flattening }),
+        actions: task
+            .actions
+            .iter()
+            .map(|action| action.name.clone())
+            .collect(),
+        shield: plan.shield.map(|shield| pubs_policy::Shield {
+            mass: shield.mass,
+            flattening: shield.flattening,
+        }),
         discount: task.reward.discount,
         policy_rate_hz: task.policy.rate_hz,
         seed,
@@ -267,12 +338,19 @@ pub fn expected_of(task: &Task, goal: Option<f64>) -> Expected {
     Expected {
         task: task.policy_ingredients(),
         observation_hash: task.observation_hash(),
-        actions: task.actions.iter().map(|action| action.name.clone()).collect(),
+        actions: task
+            .actions
+            .iter()
+            .map(|action| action.name.clone())
+            .collect(),
         goal,
     }
 }
 
-#[expect(clippy::too_many_arguments, reason = "each is one thing, and only this file calls it")]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "each is one thing, and only this file calls it"
+)]
 fn judge(
     task: &Arc<Task>,
     model: &Arc<dyn Model>,
@@ -283,7 +361,14 @@ fn judge(
     runtime: &Runtime,
     trials: &str,
 ) -> Result<Evaluation, TrainBestError> {
-    let file = write(network, contract, draft, pubs_policy::Existing::Replace, runtime, &task.joint)?;
+    let file = write(
+        network,
+        contract,
+        draft,
+        pubs_policy::Existing::Replace,
+        runtime,
+        &task.joint,
+    )?;
     let options = EvaluationOptions {
         trials: plan.trials,
         goal: match plan.goals {
@@ -295,8 +380,10 @@ fn judge(
         seed: stream(0, trials),
         threads: plan.threads,
     };
-    evaluate(task, model, &file, runtime, &options)
-        .map_err(|source| TrainBestError::Evaluate { seed: contract.seed, source })
+    evaluate(task, model, &file, runtime, &options).map_err(|source| TrainBestError::Evaluate {
+        seed: contract.seed,
+        source,
+    })
 }
 
 fn write(
@@ -309,10 +396,16 @@ fn write(
 ) -> Result<pubs_policy::PolicyFile, ExportError> {
     let inputs = probes(joint, network.inputs.len());
     let mut logits = vec![0.0; PROBES * network.actions()];
-    for (row, out) in inputs.chunks_exact(network.inputs.len()).zip(logits.chunks_exact_mut(network.actions())) {
+    for (row, out) in inputs
+        .chunks_exact(network.inputs.len())
+        .zip(logits.chunks_exact_mut(network.actions()))
+    {
         network.forward(row, out);
     }
-    let reference = pubs_policy::Reference { inputs: &inputs, logits: &logits };
+    let reference = pubs_policy::Reference {
+        inputs: &inputs,
+        logits: &logits,
+    };
     pubs_policy::write(path, network, contract, reference, runtime, existing)
 }
 
@@ -324,7 +417,13 @@ fn probes(joint: &Joint, features: usize) -> Vec<f32> {
         .flat_map(|index| {
             let mean = joint.at_fraction(share(index, 0.819_172_513));
             let goal = joint.at_fraction(share(index, 0.549_700_478));
-            [mean as f32, share(index, 0.671_043_606) as f32, (mean - goal) as f32].into_iter().take(features)
+            [
+                mean as f32,
+                share(index, 0.671_043_606) as f32,
+                (mean - goal) as f32,
+            ]
+            .into_iter()
+            .take(features)
         })
         .collect()
 }

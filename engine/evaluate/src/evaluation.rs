@@ -3,10 +3,10 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use pubs_core::Task;
 use pubs_core::belief::Model;
 use pubs_core::shield::Shield;
 use pubs_core::vector::VectorUnit;
-use pubs_core::Task;
 use pubs_policy::{PolicyFile, Runtime};
 use pubs_train::surrogate::Stopped;
 use rayon::prelude::*;
@@ -131,10 +131,19 @@ pub fn evaluate(
             .map_init(
                 || file.open(runtime),
                 |policy, batch| -> Result<Vec<Trial>, EvaluateError> {
-                    let policy = policy.as_mut().map_err(|error| EvaluateError::Open(error.to_string()))?;
+                    let policy = policy
+                        .as_mut()
+                        .map_err(|error| EvaluateError::Open(error.to_string()))?;
                     let first = batch * BATCH;
                     let count = BATCH.min(options.trials - first);
-                    Ok(run_batch(task, model, policy, &trial_options, first, count)?)
+                    Ok(run_batch(
+                        task,
+                        model,
+                        policy,
+                        &trial_options,
+                        first,
+                        count,
+                    )?)
                 },
             )
             .collect::<Result<Vec<_>, _>>()
@@ -144,16 +153,29 @@ pub fn evaluate(
         Some(threads) => rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
-            .map_err(|error| EvaluateError::Threads { threads, message: error.to_string() })?
+            .map_err(|error| EvaluateError::Threads {
+                threads,
+                message: error.to_string(),
+            })?
             .install(run)?,
     };
-    Ok(sum_up(trials.iter().flatten(), begun.elapsed().as_secs_f64()))
+    Ok(sum_up(
+        trials.iter().flatten(),
+        begun.elapsed().as_secs_f64(),
+    ))
 }
 
 fn sum_up<'t>(trials: impl Iterator<Item = &'t Trial>, time_s: f64) -> Evaluation {
-    let (mut reward, mut discounted, mut steps) = (Sample::default(), Sample::default(), Sample::default());
+    let (mut reward, mut discounted, mut steps) =
+        (Sample::default(), Sample::default(), Sample::default());
     let (mut goal_error, mut covered) = (Sample::default(), Sample::default());
-    let [mut reached, mut missed, mut violated, mut time_outs, mut recovered] = [0; 5];
+    let [
+        mut reached,
+        mut missed,
+        mut violated,
+        mut time_outs,
+        mut recovered,
+    ] = [0; 5];
     for trial in trials {
         reward.add(trial.reward);
         discounted.add(trial.discounted_reward);
@@ -214,10 +236,22 @@ mod tests {
         ];
         let found = sum_up(trials.iter(), 2.0);
         assert!((found.mean_reward + 0.35).abs() < 1e-12, "{found:?}");
-        assert!((found.mean_discounted_reward + 0.175).abs() < 1e-12, "{found:?}");
-        assert_eq!((found.success_rate, found.coverage_90, found.trials_per_s), (0.25, 0.75, 2.0));
-        assert_eq!((found.safety_violations, found.time_outs, found.failed_stops), (1, 1, 1));
+        assert!(
+            (found.mean_discounted_reward + 0.175).abs() < 1e-12,
+            "{found:?}"
+        );
+        assert_eq!(
+            (found.success_rate, found.coverage_90, found.trials_per_s),
+            (0.25, 0.75, 2.0)
+        );
+        assert_eq!(
+            (found.safety_violations, found.time_outs, found.failed_stops),
+            (1, 1, 1)
+        );
         let error = found.mean_goal_error.unwrap_or(f64::NAN);
-        assert!((error - 0.3).abs() < 1e-12, "only stops have a goal error: {error}");
+        assert!(
+            (error - 0.3).abs() < 1e-12,
+            "only stops have a goal error: {error}"
+        );
     }
 }

@@ -10,5 +10,7 @@ mod evaluation;
 pub mod statistics;
 pub mod trial;
 
-pub use candidates::{Candidate, TrainBestError, TrainingPlan, contract_of, expected_of, train_best};
+pub use candidates::{
+    Candidate, TrainBestError, TrainingPlan, contract_of, expected_of, train_best,
+};
 pub use evaluation::{EvaluateError, Evaluation, EvaluationOptions, GoalChoice, evaluate};

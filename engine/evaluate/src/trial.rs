@@ -81,7 +81,9 @@ pub fn run_batch(
     first: u64,
     count: u64,
 ) -> Result<Vec<Trial>, TrialError> {
-    let mut running: Vec<Running> = (0..count).map(|index| begin(task, model, options, first, index)).collect();
+    let mut running: Vec<Running> = (0..count)
+        .map(|index| begin(task, model, options, first, index))
+        .collect();
     let mut trials = vec![None; running.len()];
     let (mut inputs, mut logits) = (Vec::new(), Vec::new());
     let mut allowed = vec![true; task.actions.len()];
@@ -93,7 +95,10 @@ pub fn run_batch(
         }
         policy.logits(&inputs, running.len(), &mut logits)?;
         let mut still = Vec::with_capacity(running.len());
-        for (mut one, logits) in running.into_iter().zip(logits.chunks_exact(task.actions.len())) {
+        for (mut one, logits) in running
+            .into_iter()
+            .zip(logits.chunks_exact(task.actions.len()))
+        {
             one.episode.allowed(options.shield.as_ref(), &mut allowed);
             let action = choose(logits, task.stop, |index| allowed[index]);
             let stopped = one.step(task, action)?;
@@ -109,14 +114,29 @@ pub fn run_batch(
     Ok(trials.into_iter().flatten().collect())
 }
 
-fn begin(task: &Arc<Task>, model: &Arc<dyn Model>, options: &TrialOptions, first: u64, index: u64) -> Running {
+fn begin(
+    task: &Arc<Task>,
+    model: &Arc<dyn Model>,
+    options: &TrialOptions,
+    first: u64,
+    index: u64,
+) -> Running {
     let seed = stream(options.seed, "trials").wrapping_add(first + index);
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
     let start = draw_start(&task.joint, &mut rng);
-    let goal = options.goal.unwrap_or_else(|| draw_goal(&task.joint, &mut rng));
+    let goal = options
+        .goal
+        .unwrap_or_else(|| draw_goal(&task.joint, &mut rng));
     let mut episode = Episode::new(Arc::clone(task), Arc::clone(model));
     episode.begin(start, goal, &mut rng);
-    Running { index: index as usize, episode, rng, reward: 0.0, discounted_reward: 0.0, weight: 1.0 }
+    Running {
+        index: index as usize,
+        episode,
+        rng,
+        reward: 0.0,
+        discounted_reward: 0.0,
+        weight: 1.0,
+    }
 }
 
 impl Running {
@@ -145,7 +165,8 @@ impl Running {
 
 /// The goal of a trial in words, for tables.
 pub fn goal_label(joint: &Joint, goal: Option<f64>) -> String {
-    goal.map_or_else(|| "every".to_owned(), |state| {
-        Goal::Fraction((state - joint.lower) / joint.range()).to_string()
-    })
+    goal.map_or_else(
+        || "every".to_owned(),
+        |state| Goal::Fraction((state - joint.lower) / joint.range()).to_string(),
+    )
 }

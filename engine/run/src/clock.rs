@@ -9,7 +9,10 @@ const SPIN_NS: u64 = 150_000;
 
 /// Nanoseconds of the monotonic clock.
 pub fn now_ns() -> u64 {
-    let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
+    let mut time = libc::timespec {
+        tv_sec: 0,
+        tv_nsec: 0,
+    };
     // SAFETY: the pointer is to a valid timespec that outlives the call.
     unsafe { libc::clock_gettime(libc::CLOCK_MONOTONIC, &raw mut time) };
     time.tv_sec as u64 * SECOND_NS + time.tv_nsec as u64
@@ -27,7 +30,12 @@ pub fn sleep_until(deadline_ns: u64) {
         loop {
             // SAFETY: both pointers are valid or null as clock_nanosleep allows.
             let result = unsafe {
-                libc::clock_nanosleep(libc::CLOCK_MONOTONIC, libc::TIMER_ABSTIME, &raw const wake, std::ptr::null_mut())
+                libc::clock_nanosleep(
+                    libc::CLOCK_MONOTONIC,
+                    libc::TIMER_ABSTIME,
+                    &raw const wake,
+                    std::ptr::null_mut(),
+                )
             };
             if result != libc::EINTR {
                 break;

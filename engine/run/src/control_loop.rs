@@ -59,7 +59,12 @@ impl ControlLoop {
     }
 
     /// One tick: the newest sample, and whether to go on.
-    pub fn step(&mut self, now_ns: u64, order: &Order, interrupted: bool) -> (Option<Sample>, Tick) {
+    pub fn step(
+        &mut self,
+        now_ns: u64,
+        order: &Order,
+        interrupted: bool,
+    ) -> (Option<Sample>, Tick) {
         self.supervise(now_ns, order, interrupted);
         let path = self.path.as_ref().map(|(path, _)| path);
         let reading = self.guard.read(now_ns, path, self.speed_m_s);
@@ -100,7 +105,11 @@ impl ControlLoop {
         }
         let alive = [
             ("policy", order.time_ns, self.task.policy.rate_hz),
-            ("filter", self.signals.filter_alive_ns(), self.task.belief.rate_hz),
+            (
+                "filter",
+                self.signals.filter_alive_ns(),
+                self.task.belief.rate_hz,
+            ),
         ];
         for (name, alive_ns, rate_hz) in alive {
             let silent_s = seconds(alive_ns.max(self.first_step_ns));
@@ -120,16 +129,28 @@ impl ControlLoop {
         };
         *last_pose = pose;
         let path = path.clone();
-        let index = if order.valid { order.action } else { self.task.stop };
+        let index = if order.valid {
+            order.action
+        } else {
+            self.task.stop
+        };
         let action = &self.task.actions[index];
         let force_along_n = controller::force_along(&path, &pose, action, reading.force_n);
         let stopping = self.guard.tripped().is_some() || self.signals.is_finished();
-        let wanted = if stopping { 0.0 } else { self.control.speed(action, force_along_n) };
+        let wanted = if stopping {
+            0.0
+        } else {
+            self.control.speed(action, force_along_n)
+        };
         let moved_as_asked = !action.is_stop() && is_settled(self.speed_m_s, wanted);
         self.speed_m_s = self.control.ramp(self.speed_m_s, wanted);
         self.guard.command(&path, &pose, self.speed_m_s, now_ns);
 
-        let direction = if action.is_stop() { Direction::Opening } else { Direction::of(action.sign()) };
+        let direction = if action.is_stop() {
+            Direction::Opening
+        } else {
+            Direction::of(action.sign())
+        };
         let force = pose.orientation * Vector3::from(reading.force_n);
         Sample {
             action: index,
@@ -145,7 +166,10 @@ impl ControlLoop {
     fn ramp_down_blind(&mut self, now_ns: u64) {
         self.speed_m_s = self.control.ramp(self.speed_m_s, 0.0);
         match &self.path {
-            Some((path, pose)) => self.guard.command(&path.clone(), &pose.clone(), self.speed_m_s, now_ns),
+            Some((path, pose)) => {
+                self.guard
+                    .command(&path.clone(), &pose.clone(), self.speed_m_s, now_ns)
+            }
             None => self.guard.stop(),
         }
     }

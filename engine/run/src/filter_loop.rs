@@ -66,8 +66,19 @@ impl FilterLoop {
             self.follow(sample)?;
         }
         self.signals.filter_lives(now_ns);
-        shield::allowed(self.shield.as_ref(), &self.task, &self.filter, &mut self.allowed);
-        let bits = self.allowed.iter().enumerate().fold(0, |bits, (index, &allowed)| bits | (u64::from(allowed) << index));
+        shield::allowed(
+            self.shield.as_ref(),
+            &self.task,
+            &self.filter,
+            &mut self.allowed,
+        );
+        let bits = self
+            .allowed
+            .iter()
+            .enumerate()
+            .fold(0, |bits, (index, &allowed)| {
+                bits | (u64::from(allowed) << index)
+            });
         Ok(BeliefMessage {
             summary: self.filter.summary(),
             allowed: bits,
@@ -87,16 +98,28 @@ impl FilterLoop {
             self.filter.follow(displacement);
             return Ok(());
         }
-        let threshold = self.task.joint.geometry().map_or(0.0, |geometry| geometry.motion_threshold_m);
+        let threshold = self
+            .task
+            .joint
+            .geometry()
+            .map_or(0.0, |geometry| geometry.motion_threshold_m);
         let moved = displacement.abs() / self.task.joint.per_metre() > threshold;
         let [f_d, f_z, f_n] = sample.forces_n;
-        let observation = ArmObservation { f_d, f_z, f_n, moved };
+        let observation = ArmObservation {
+            f_d,
+            f_z,
+            f_n,
+            moved,
+        };
         for (value, name) in self.observation.iter_mut().zip(&self.channels) {
             // Names were checked when the run was set up; a channel no arm has reads NaN, which
             // the filter refuses.
             *value = observation.channel(name).unwrap_or(f32::NAN);
         }
-        if let Update::Recovered(recovery) = self.filter.update(sample.action, displacement, &self.observation)? {
+        if let Update::Recovered(recovery) =
+            self.filter
+                .update(sample.action, displacement, &self.observation)?
+        {
             self.note(sample.action, &recovery);
         }
         Ok(())
@@ -107,7 +130,9 @@ impl FilterLoop {
             return;
         }
         let readings = self.channels.iter().zip(&self.observation);
-        let readings: Vec<String> = readings.map(|(name, value)| format!("{name} = {value:.2}")).collect();
+        let readings: Vec<String> = readings
+            .map(|(name, value)| format!("{name} = {value:.2}"))
+            .collect();
         self.notes.push(format!(
             "no particle fits {} during `{}` (log density {:.0}); the belief starts afresh",
             readings.join(", "),

@@ -111,20 +111,43 @@ impl fmt::Display for Trip {
             Self::DriverFault => write!(out, "the driver reports a fault"),
             Self::Stale { age_s } => write!(out, "the newest reading is {:.0} ms old", age_s * 1e3),
             Self::Force { force_n, trip_n } => {
-                write!(out, "force {force_n:.1} N; at this speed the arm must stop at {trip_n:.1} N to keep force_limit_n")
+                write!(
+                    out,
+                    "force {force_n:.1} N; at this speed the arm must stop at {trip_n:.1} N to keep force_limit_n"
+                )
             }
             Self::OffPath { deviation_m } => {
-                write!(out, "the tool is {:.1} mm off the path of the handle (lost grasp, or wrong radius or directions?)", deviation_m * 1e3)
+                write!(
+                    out,
+                    "the tool is {:.1} mm off the path of the handle (lost grasp, or wrong radius or directions?)",
+                    deviation_m * 1e3
+                )
             }
-            Self::Jump { moved_m } => write!(out, "the tool moved {:.1} mm between two readings", moved_m * 1e3),
+            Self::Jump { moved_m } => write!(
+                out,
+                "the tool moved {:.1} mm between two readings",
+                moved_m * 1e3
+            ),
             Self::BeyondRange { travelled_m } => {
-                write!(out, "the tool travelled {:.0} mm, further than the whole range (lost grasp, or wrong limits?)", travelled_m * 1e3)
+                write!(
+                    out,
+                    "the tool travelled {:.0} mm, further than the whole range (lost grasp, or wrong limits?)",
+                    travelled_m * 1e3
+                )
             }
-            Self::Late { late_s } => write!(out, "the controller loop came {:.0} ms late", late_s * 1e3),
-            Self::Silent { name, silent_s } => write!(out, "no sign of life from the {name} loop for {:.0} ms", silent_s * 1e3),
+            Self::Late { late_s } => {
+                write!(out, "the controller loop came {:.0} ms late", late_s * 1e3)
+            }
+            Self::Silent { name, silent_s } => write!(
+                out,
+                "no sign of life from the {name} loop for {:.0} ms",
+                silent_s * 1e3
+            ),
             Self::Interrupted => write!(out, "interrupted"),
             Self::Loop { name, message } => write!(out, "the {name} loop failed: {message}"),
-            Self::Violation { action } => write!(out, "safety violation: `{action}` would leave the limits"),
+            Self::Violation { action } => {
+                write!(out, "safety violation: `{action}` would leave the limits")
+            }
         }
     }
 }
@@ -144,7 +167,15 @@ impl Guard {
     /// Wraps an arm for a task that has a controller.
     pub fn new(arm: Box<dyn Arm>, task: &Task, control: Control) -> Self {
         let per_metre = task.joint.per_metre();
-        Self { arm, control, range_m: task.joint.range() / per_metre, per_metre, previous: None, trip: None, moving: None }
+        Self {
+            arm,
+            control,
+            range_m: task.joint.range() / per_metre,
+            per_metre,
+            previous: None,
+            trip: None,
+            moving: None,
+        }
     }
 
     /// Why the arm was stopped, if it was.
@@ -180,7 +211,13 @@ impl Guard {
         Some(reading)
     }
 
-    fn fault_of(&self, reading: &Reading, now_ns: u64, path: Option<&Path>, speed_m_s: f64) -> Option<Trip> {
+    fn fault_of(
+        &self,
+        reading: &Reading,
+        now_ns: u64,
+        path: Option<&Path>,
+        speed_m_s: f64,
+    ) -> Option<Trip> {
         if reading.status == DriverStatus::Fault {
             return Some(Trip::DriverFault);
         }
@@ -193,12 +230,14 @@ impl Guard {
         if force_n > trip_n {
             return Some(Trip::Force { force_n, trip_n });
         }
-        self.jump(reading).or_else(|| self.leaves_path(reading, path?))
+        self.jump(reading)
+            .or_else(|| self.leaves_path(reading, path?))
     }
 
     fn jump(&self, reading: &Reading) -> Option<Trip> {
         let previous = self.previous.as_ref()?;
-        let moved_m = (Vector3::from(reading.position_m) - Vector3::from(previous.position_m)).norm();
+        let moved_m =
+            (Vector3::from(reading.position_m) - Vector3::from(previous.position_m)).norm();
         let seconds = reading.time_ns.saturating_sub(previous.time_ns) as f64 * 1e-9;
         let allowed_m = JUMP_FACTOR * self.control.high_speed_m_s * seconds + JUMP_SLACK_M;
         (moved_m > allowed_m).then_some(Trip::Jump { moved_m })
@@ -217,9 +256,16 @@ impl Guard {
     /// Commands a speed along the path; it is cut to the high speed. A failure trips.
     pub fn command(&mut self, path: &Path, pose: &Pose, speed_m_s: f64, now_ns: u64) {
         let limit = self.control.high_speed_m_s;
-        let speed_m_s = if speed_m_s.is_finite() { speed_m_s.clamp(-limit, limit) } else { 0.0 };
+        let speed_m_s = if speed_m_s.is_finite() {
+            speed_m_s.clamp(-limit, limit)
+        } else {
+            0.0
+        };
         let (linear, angular) = path.velocity(pose, speed_m_s, 1.0 / self.control.rate_hz);
-        let twist = Twist { linear_m_s: linear.into(), angular_rad_s: angular.into() };
+        let twist = Twist {
+            linear_m_s: linear.into(),
+            angular_rad_s: angular.into(),
+        };
         let expires_ns = now_ns + (COMMAND_PERIODS * 1e9 / self.control.rate_hz) as u64;
         self.moving = (speed_m_s != 0.0).then(|| (path.clone(), *pose, speed_m_s));
         let result = self.arm.command(twist, expires_ns);

@@ -26,7 +26,11 @@ pub struct LatenessSummary {
 impl Lateness {
     /// None yet, with room for `ticks` so that the loop allocates nothing.
     pub fn new(rate_hz: f64, ticks: usize) -> Self {
-        Self { period_ns: (1e9 / rate_hz) as u64, late_us: Vec::with_capacity(ticks), missed: 0 }
+        Self {
+            period_ns: (1e9 / rate_hz) as u64,
+            late_us: Vec::with_capacity(ticks),
+            missed: 0,
+        }
     }
 
     /// A tick due at `due_ns` came at `came_ns`. How many later ticks are past as well: the loop
@@ -34,7 +38,8 @@ impl Lateness {
     pub fn record(&mut self, due_ns: u64, came_ns: u64) -> u64 {
         let late_ns = came_ns.saturating_sub(due_ns);
         if self.late_us.len() < self.late_us.capacity() {
-            self.late_us.push(u32::try_from(late_ns / 1000).unwrap_or(u32::MAX));
+            self.late_us
+                .push(u32::try_from(late_ns / 1000).unwrap_or(u32::MAX));
         }
         let skipped = late_ns / self.period_ns;
         self.missed += skipped;
@@ -68,9 +73,18 @@ mod tests {
         for tick in 1..=100_u64 {
             assert_eq!(lateness.record(1_000_000, 1_000_000 + tick * 1000), 0);
         }
-        let expected = LatenessSummary { p50_us: 50, p99_us: 99, max_us: 100, missed: 0 };
+        let expected = LatenessSummary {
+            p50_us: 50,
+            p99_us: 99,
+            max_us: 100,
+            missed: 0,
+        };
         assert_eq!(lateness.summary(), expected);
-        assert_eq!(lateness.record(0, 25_000_000), 2, "25 ms late at 10 ms a tick skips two");
+        assert_eq!(
+            lateness.record(0, 25_000_000),
+            2,
+            "25 ms late at 10 ms a tick skips two"
+        );
         assert_eq!(lateness.summary().missed, 2);
         assert_eq!(lateness.summary().max_us, 25_000);
     }

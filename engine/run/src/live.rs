@@ -42,18 +42,31 @@ struct Paced<T> {
 
 /// Runs until the arm rests.
 pub fn run(loops: Loops, watch: &mut dyn FnMut(&Status)) -> Finished {
-    let Loops { controller, filter, policy, signals, rates_hz, interrupt } = loops;
+    let Loops {
+        controller,
+        filter,
+        policy,
+        signals,
+        rates_hz,
+        interrupt,
+    } = loops;
     let (sample_in, sample_out) = triple_buffer(&Sample::default());
     let (belief_in, belief_out) = triple_buffer(&BeliefMessage::default());
     let (order_in, order_out) = triple_buffer(&Order::default());
     let (status_in, mut status_out) = triple_buffer(&Status::default());
     let (alarms, heard) = mpsc::channel();
     let start_ns = now_ns();
-    let pace = |rate_hz| Pace { start_ns, rate_hz, signals: signals.clone() };
+    let pace = |rate_hz| Pace {
+        start_ns,
+        rate_hz,
+        signals: signals.clone(),
+    };
 
     let control = {
         let pace = pace(rates_hz[0]);
-        thread::spawn(move || control_thread(controller, &pace, sample_in, order_out, &heard, &interrupt))
+        thread::spawn(move || {
+            control_thread(controller, &pace, sample_in, order_out, &heard, &interrupt)
+        })
     };
     let filter = {
         let (pace, alarms) = (pace(rates_hz[1]), alarms.clone());
@@ -61,17 +74,28 @@ pub fn run(loops: Loops, watch: &mut dyn FnMut(&Status)) -> Finished {
     };
     let policy = {
         let pace = pace(rates_hz[2]);
-        thread::spawn(move || policy_thread(policy, &pace, belief_out, order_in, status_in, &alarms))
+        thread::spawn(move || {
+            policy_thread(policy, &pace, belief_out, order_in, status_in, &alarms)
+        })
     };
-    let given_up = supervise(&control, &signals, start_ns, &mut || watch(status_out.read()));
+    let given_up = supervise(&control, &signals, start_ns, &mut || {
+        watch(status_out.read())
+    });
     signals.finish();
     let end_ns = now_ns();
-    let filter = filter.join().unwrap_or_else(|_| unreachable!("the thread catches panics"));
-    let policy = policy.join().unwrap_or_else(|_| unreachable!("the thread catches panics"));
+    let filter = filter
+        .join()
+        .unwrap_or_else(|_| unreachable!("the thread catches panics"));
+    let policy = policy
+        .join()
+        .unwrap_or_else(|_| unreachable!("the thread catches panics"));
     let control = if given_up { None } else { control.join().ok() };
     let trip = match &control {
         Some(control) => control.state.clone(),
-        None => Some(Trip::Silent { name: "controller", silent_s: GIVE_UP_NS as f64 * 1e-9 }),
+        None => Some(Trip::Silent {
+            name: "controller",
+            silent_s: GIVE_UP_NS as f64 * 1e-9,
+        }),
     };
     Finished {
         policy: policy.state,
@@ -81,7 +105,9 @@ pub fn run(loops: Loops, watch: &mut dyn FnMut(&Status)) -> Finished {
         time_s: (end_ns - start_ns) as f64 * 1e-9,
         end_ns,
         lateness: LatenessReport {
-            controller: control.as_ref().map_or_else(LatenessSummary::default, |control| control.lateness),
+            controller: control
+                .as_ref()
+                .map_or_else(LatenessSummary::default, |control| control.lateness),
             filter: filter.lateness,
             policy: policy.lateness,
         },
@@ -90,7 +116,12 @@ pub fn run(loops: Loops, watch: &mut dyn FnMut(&Status)) -> Finished {
 }
 
 /// Watches until the controller is done; true where it hangs.
-fn supervise<T>(control: &JoinHandle<T>, signals: &Signals, start_ns: u64, watch: &mut dyn FnMut()) -> bool {
+fn supervise<T>(
+    control: &JoinHandle<T>,
+    signals: &Signals,
+    start_ns: u64,
+    watch: &mut dyn FnMut(),
+) -> bool {
     while !control.is_finished() {
         thread::sleep(WATCH);
         watch();
@@ -110,7 +141,11 @@ struct Pace {
 
 impl Pace {
     /// Calls `step` at each tick until it says so, or, for the slower loops, the run is over.
-    fn keep(&self, ends_with_run: bool, mut step: impl FnMut(u64) -> bool) -> (LatenessSummary, bool) {
+    fn keep(
+        &self,
+        ends_with_run: bool,
+        mut step: impl FnMut(u64) -> bool,
+    ) -> (LatenessSummary, bool) {
         let real_time = make_timely();
         let mut lateness = Lateness::new(self.rate_hz, (KEPT_S * self.rate_hz) as usize);
         let mut tick = 1;
@@ -141,7 +176,8 @@ fn control_thread(
             if let Ok(trip) = alarms.try_recv() {
                 controller.guard().trip(trip);
             }
-            let (sample, tick) = controller.step(now_ns, orders.read(), interrupt.load(Ordering::Acquire));
+            let (sample, tick) =
+                controller.step(now_ns, orders.read(), interrupt.load(Ordering::Acquire));
             if let Some(sample) = sample {
                 samples.write(sample);
             }
@@ -149,11 +185,18 @@ fn control_thread(
         });
     }));
     if let Err(panic) = result {
-        controller.guard().trip(Trip::Loop { name: "controller", message: text_of(panic.as_ref()) });
+        controller.guard().trip(Trip::Loop {
+            name: "controller",
+            message: text_of(panic.as_ref()),
+        });
         controller.guard().stop();
         pace.signals.trip();
     }
-    Paced { state: controller.guard().tripped().cloned(), lateness: kept.0, real_time: kept.1 }
+    Paced {
+        state: controller.guard().tripped().cloned(),
+        lateness: kept.0,
+        real_time: kept.1,
+    }
 }
 
 fn filter_thread(
@@ -169,11 +212,21 @@ fn filter_thread(
                 beliefs.write(belief);
                 true
             }
-            Err(error) => raise(alarms, Trip::Loop { name: "filter", message: error.to_string() }),
+            Err(error) => raise(
+                alarms,
+                Trip::Loop {
+                    name: "filter",
+                    message: error.to_string(),
+                },
+            ),
         })
         .0
     });
-    Paced { state: (filter.filter().recoveries(), filter.notes().to_vec()), lateness, real_time: false }
+    Paced {
+        state: (filter.filter().recoveries(), filter.notes().to_vec()),
+        lateness,
+        real_time: false,
+    }
 }
 
 fn policy_thread(
@@ -200,12 +253,22 @@ fn policy_thread(
                         Verdict::Violation(action) => raise(alarms, Trip::Violation { action }),
                     }
                 }
-                Err(error) => raise(alarms, Trip::Loop { name: "policy", message: error.to_string() }),
+                Err(error) => raise(
+                    alarms,
+                    Trip::Loop {
+                        name: "policy",
+                        message: error.to_string(),
+                    },
+                ),
             }
         })
         .0
     });
-    Paced { state: policy, lateness, real_time: false }
+    Paced {
+        state: policy,
+        lateness,
+        real_time: false,
+    }
 }
 
 /// Tells the controller to stop for good; the loop that found the reason ends.
@@ -216,9 +279,19 @@ fn raise(alarms: &Alarms, trip: Trip) -> bool {
 }
 
 /// A loop that panics raises an alarm instead.
-fn caught(name: &'static str, alarms: &Alarms, body: impl FnOnce() -> LatenessSummary) -> LatenessSummary {
+fn caught(
+    name: &'static str,
+    alarms: &Alarms,
+    body: impl FnOnce() -> LatenessSummary,
+) -> LatenessSummary {
     catch_unwind(AssertUnwindSafe(body)).unwrap_or_else(|panic| {
-        raise(alarms, Trip::Loop { name, message: text_of(panic.as_ref()) });
+        raise(
+            alarms,
+            Trip::Loop {
+                name,
+                message: text_of(panic.as_ref()),
+            },
+        );
         LatenessSummary::default()
     })
 }

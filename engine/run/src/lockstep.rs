@@ -25,7 +25,10 @@ pub fn run(mut loops: Loops, watch: &mut dyn FnMut(&Status)) -> Finished {
         let now_ns = tick_ns(START_NS, ticks[0], control_hz);
         ticks[0] += 1;
         loops.controller.guard().advance_to(now_ns);
-        let (newest, tick) = loops.controller.step(now_ns, &order, loops.interrupt.load(Ordering::Acquire));
+        let (newest, tick) =
+            loops
+                .controller
+                .step(now_ns, &order, loops.interrupt.load(Ordering::Acquire));
         sample = newest.unwrap_or(sample);
         if tick == Tick::AtRest {
             break now_ns;
@@ -35,7 +38,10 @@ pub fn run(mut loops: Loops, watch: &mut dyn FnMut(&Status)) -> Finished {
             ticks[1] += 1;
             match loops.filter.step(now_ns, &sample) {
                 Ok(message) => belief = message,
-                Err(error) => loops.controller.guard().trip(Trip::Loop { name: "filter", message: error.to_string() }),
+                Err(error) => loops.controller.guard().trip(Trip::Loop {
+                    name: "filter",
+                    message: error.to_string(),
+                }),
             }
         }
         if due(ticks[2], policy_hz) {
@@ -50,7 +56,10 @@ pub fn run(mut loops: Loops, watch: &mut dyn FnMut(&Status)) -> Finished {
                     order = newest;
                     loops.controller.guard().trip(Trip::Violation { action });
                 }
-                Err(error) => loops.controller.guard().trip(Trip::Loop { name: "policy", message: error.to_string() }),
+                Err(error) => loops.controller.guard().trip(Trip::Loop {
+                    name: "policy",
+                    message: error.to_string(),
+                }),
             }
             watch(&loops.policy.status(now_ns));
         }

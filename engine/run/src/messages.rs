@@ -39,7 +39,10 @@ pub struct BeliefMessage {
 impl Default for BeliefMessage {
     fn default() -> Self {
         Self {
-            summary: Summary { mean: 0.0, entropy: 1.0 },
+            summary: Summary {
+                mean: 0.0,
+                entropy: 1.0,
+            },
             allowed: u64::MAX,
             speed_m_s: 0.0,
             valid: false,
@@ -75,7 +78,16 @@ pub struct Status {
 
 impl Default for Status {
     fn default() -> Self {
-        Self { time_s: 0.0, goal: 0, summary: Summary { mean: 0.0, entropy: 1.0 }, action: 0, steps: 0 }
+        Self {
+            time_s: 0.0,
+            goal: 0,
+            summary: Summary {
+                mean: 0.0,
+                entropy: 1.0,
+            },
+            action: 0,
+            steps: 0,
+        }
     }
 }
 
@@ -123,7 +135,9 @@ impl Signals {
 
     /// Sets the true state, for scoring.
     pub fn set_truth(&self, truth: Option<f64>) {
-        self.0.truth.store(truth.unwrap_or(f64::NAN).to_bits(), Ordering::Release);
+        self.0
+            .truth
+            .store(truth.unwrap_or(f64::NAN).to_bits(), Ordering::Release);
     }
 
     /// The true state, where somebody knows.

@@ -28,7 +28,9 @@ enum Phase {
     /// Choosing actions.
     Acting,
     /// The policy said stop at this time.
-    Settling { since_ns: u64 },
+    Settling {
+        since_ns: u64,
+    },
     Over,
 }
 
@@ -53,7 +55,13 @@ pub struct PolicyLoop {
 
 impl PolicyLoop {
     /// A loop for goals that name their policies by index.
-    pub fn new(task: Arc<Task>, policies: Vec<Policy>, goals: Vec<GoalPlan>, max_steps: u32, signals: Signals) -> Self {
+    pub fn new(
+        task: Arc<Task>,
+        policies: Vec<Policy>,
+        goals: Vec<GoalPlan>,
+        max_steps: u32,
+        signals: Signals,
+    ) -> Self {
         Self {
             action: task.stop,
             actions_used: vec![0; task.actions.len()],
@@ -77,7 +85,11 @@ impl PolicyLoop {
     ///
     /// # Errors
     /// Where the policy gives no action; the arm must stop.
-    pub fn step(&mut self, now_ns: u64, belief: &BeliefMessage) -> Result<(Order, Verdict), PolicyFault> {
+    pub fn step(
+        &mut self,
+        now_ns: u64,
+        belief: &BeliefMessage,
+    ) -> Result<(Order, Verdict), PolicyFault> {
         if !belief.valid {
             // The first belief has not come yet.
             return Ok((self.order(now_ns), Verdict::Going));
@@ -96,7 +108,11 @@ impl PolicyLoop {
     }
 
     fn order(&self, now_ns: u64) -> Order {
-        Order { time_ns: now_ns, action: self.action, valid: true }
+        Order {
+            time_ns: now_ns,
+            action: self.action,
+            valid: true,
+        }
     }
 
     fn act(&mut self, now_ns: u64) -> Result<Verdict, PolicyFault> {
@@ -106,15 +122,25 @@ impl PolicyLoop {
         }
         let plan = &self.goals[self.goal];
         let summary = self.last.summary;
-        let all = [summary.mean as f32, summary.entropy as f32, (summary.mean - plan.state) as f32];
+        let all = [
+            summary.mean as f32,
+            summary.entropy as f32,
+            (summary.mean - plan.state) as f32,
+        ];
         let policy = &mut self.policies[plan.policy];
         policy.logits(&all[..policy.features()], 1, &mut self.logits)?;
         let allowed = self.last.allowed;
-        let index = choose(&self.logits, self.task.stop, |index| allowed >> index & 1 == 1);
+        let index = choose(&self.logits, self.task.stop, |index| {
+            allowed >> index & 1 == 1
+        });
         self.steps += 1;
         self.actions_used[index] += 1;
         let action = &self.task.actions[index];
-        if self.signals.truth().is_some_and(|state| violates_safety(&self.task.joint, action, state)) {
+        if self
+            .signals
+            .truth()
+            .is_some_and(|state| violates_safety(&self.task.joint, action, state))
+        {
             self.action = self.task.stop;
             return Ok(Verdict::Violation(action.name.clone()));
         }
@@ -153,13 +179,24 @@ impl PolicyLoop {
         let truth = self.signals.truth();
         let judged_state = truth.unwrap_or(self.last.summary.mean);
         let reached = self.task.reward.in_goal_region(judged_state, goal);
-        let by_place = if reached { Outcome::Reached } else { Outcome::Missed };
+        let by_place = if reached {
+            Outcome::Reached
+        } else {
+            Outcome::Missed
+        };
         let names = self.task.actions.iter().map(|action| action.name.clone());
         self.reports.push(GoalReport {
             outcome: outcome.unwrap_or(by_place),
-            judged_by: if truth.is_some() { JudgedBy::Truth } else { JudgedBy::Belief },
+            judged_by: if truth.is_some() {
+                JudgedBy::Truth
+            } else {
+                JudgedBy::Belief
+            },
             goal,
-            belief: BeliefReport { mean: self.last.summary.mean, entropy: self.last.summary.entropy },
+            belief: BeliefReport {
+                mean: self.last.summary.mean,
+                entropy: self.last.summary.entropy,
+            },
             true_state: truth,
             goal_error: truth.map(|state| (state - goal).abs()),
             time_s: now_ns.saturating_sub(self.goal_began_ns) as f64 * 1e-9,

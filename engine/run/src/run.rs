@@ -60,7 +60,9 @@ pub enum RunError {
         channel: String,
     },
     /// A policy with the wrong number of actions or inputs.
-    #[error("a policy has {inputs} inputs and {outputs} actions; this object needs 2 or 3 and {actions}")]
+    #[error(
+        "a policy has {inputs} inputs and {outputs} actions; this object needs 2 or 3 and {actions}"
+    )]
     PolicyShape {
         /// Inputs of the policy.
         inputs: usize,
@@ -106,8 +108,14 @@ pub fn run(
     options: &RunOptions,
     watch: &mut dyn FnMut(&Status),
 ) -> Result<RunReport, RunError> {
-    let control = task.control.ok_or_else(|| RunError::Abstract(task.name.clone()))?;
-    let channels: Vec<String> = model.channels().iter().map(|channel| channel.name.clone()).collect();
+    let control = task
+        .control
+        .ok_or_else(|| RunError::Abstract(task.name.clone()))?;
+    let channels: Vec<String> = model
+        .channels()
+        .iter()
+        .map(|channel| channel.name.clone())
+        .collect();
     check(task, &channels, &policies, options)?;
     let signals = Signals::new();
     let filter = Filter::new(task, model);
@@ -115,24 +123,52 @@ pub fn run(
     let guard = Guard::new(arm, task, control);
     let loops = Loops {
         controller: ControlLoop::new(Arc::clone(task), control, guard, signals.clone()),
-        filter: FilterLoop::new(Arc::clone(task), filter, channels, options.shield, signals.clone()),
-        policy: PolicyLoop::new(Arc::clone(task), policies, options.goals.clone(), options.max_steps, signals.clone()),
+        filter: FilterLoop::new(
+            Arc::clone(task),
+            filter,
+            channels,
+            options.shield,
+            signals.clone(),
+        ),
+        policy: PolicyLoop::new(
+            Arc::clone(task),
+            policies,
+            options.goals.clone(),
+            options.max_steps,
+            signals.clone(),
+        ),
         signals: signals.clone(),
         rates_hz: [control.rate_hz, task.belief.rate_hz, task.policy.rate_hz],
         interrupt: Arc::clone(&options.interrupt),
     };
-    let finished = if options.lockstep { lockstep::run(loops, watch) } else { live::run(loops, watch) };
+    let finished = if options.lockstep {
+        lockstep::run(loops, watch)
+    } else {
+        live::run(loops, watch)
+    };
     Ok(sum_up(task, options, &signals, vector_unit, finished))
 }
 
-fn check(task: &Task, channels: &[String], policies: &[Policy], options: &RunOptions) -> Result<(), RunError> {
+fn check(
+    task: &Task,
+    channels: &[String],
+    policies: &[Policy],
+    options: &RunOptions,
+) -> Result<(), RunError> {
     if options.goals.is_empty() {
         return Err(RunError::NoGoal);
     }
-    if let Some(channel) = channels.iter().find(|channel| !ARM_CHANNELS.contains(&channel.as_str())) {
-        return Err(RunError::Channel { channel: channel.clone() });
+    if let Some(channel) = channels
+        .iter()
+        .find(|channel| !ARM_CHANNELS.contains(&channel.as_str()))
+    {
+        return Err(RunError::Channel {
+            channel: channel.clone(),
+        });
     }
-    let fits = |policy: &&Policy| (2..=3).contains(&policy.features()) && policy.actions() == task.actions.len();
+    let fits = |policy: &&Policy| {
+        (2..=3).contains(&policy.features()) && policy.actions() == task.actions.len()
+    };
     match policies.iter().find(|policy| !fits(policy)) {
         None => Ok(()),
         Some(policy) => Err(RunError::PolicyShape {
@@ -155,7 +191,9 @@ fn sum_up(
         _ => Outcome::SafetyStop,
     });
     // A goal that was under way when the arm was stopped ends with that stop.
-    finished.policy.judge(finished.end_ns, Some(stopped.unwrap_or(Outcome::Fault)));
+    finished
+        .policy
+        .judge(finished.end_ns, Some(stopped.unwrap_or(Outcome::Fault)));
     let goals = finished.policy.into_reports();
     let last = goals[goals.len() - 1].clone();
     let violated = matches!(finished.trip, Some(Trip::Violation { .. }));

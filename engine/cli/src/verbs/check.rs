@@ -42,9 +42,17 @@ pub fn run(arguments: &Arguments) -> Ended {
     for file in &files {
         faults.extend(crate::object::faults(file, &overrides, &registry));
     }
-    let code = if faults.is_empty() { exit::DONE } else { exit::INVALID };
+    let code = if faults.is_empty() {
+        exit::DONE
+    } else {
+        exit::INVALID
+    };
     if arguments.json {
-        show::print_json(&Report { ok: faults.is_empty(), files: files.len(), faults })?;
+        show::print_json(&Report {
+            ok: faults.is_empty(),
+            files: files.len(),
+            faults,
+        })?;
         return Ok(code);
     }
     let count = faults.len();
@@ -52,7 +60,15 @@ pub fn run(arguments: &Arguments) -> Ended {
         show::print(object::render(&Faults(faults), show::color_on_stdout()).trim_end())?;
     }
     let plural = |count: usize| if count == 1 { "" } else { "s" };
-    let verdict = if count == 0 { "ok".to_owned() } else { format!("{count} fault{}", plural(count)) };
-    show::print(&format!("{} object file{} checked: {verdict}", files.len(), plural(files.len())))?;
+    let verdict = if count == 0 {
+        "ok".to_owned()
+    } else {
+        format!("{count} fault{}", plural(count))
+    };
+    show::print(&format!(
+        "{} object file{} checked: {verdict}",
+        files.len(),
+        plural(files.len())
+    ))?;
     Ok(code)
 }

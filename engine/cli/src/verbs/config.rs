@@ -14,7 +14,11 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Ended {
-    let text = if arguments.schema { json_schema_text() } else { DEFAULTS.to_owned() };
+    let text = if arguments.schema {
+        json_schema_text()
+    } else {
+        DEFAULTS.to_owned()
+    };
     show::print(text.trim_end())?;
     Ok(exit::DONE)
 }

@@ -16,8 +16,10 @@ use crate::policies::{self, MAX_STEPS};
 use crate::{Ended, built_in, exit, object, show};
 
 #[derive(Args)]
-#[command(after_help = "Examples: pubs-engine evaluate policies/door2.onnx --trials 10000
-          pubs-engine evaluate policies/door2.onnx --goal 0.5 --no-shield --json")]
+#[command(
+    after_help = "Examples: pubs-engine evaluate policies/door2.onnx --trials 10000
+          pubs-engine evaluate policies/door2.onnx --goal 0.5 --no-shield --json"
+)]
 pub struct Arguments {
     /// Policy file
     policy: PathBuf,
@@ -83,7 +85,12 @@ struct Report {
 pub fn run(arguments: &Arguments) -> Ended {
     let registry = built_in::registry(&arguments.layers.plugin_dirs);
     let object_path = object_path(arguments)?;
-    let ready = object::ready(&object_path, &arguments.layers.overrides(), &registry, arguments.seed)?;
+    let ready = object::ready(
+        &object_path,
+        &arguments.layers.overrides(),
+        &registry,
+        arguments.seed,
+    )?;
     let (task, joint) = (&ready.task, &ready.task.joint);
     let asked = match &arguments.goal {
         None => task.default_goal,
@@ -93,7 +100,9 @@ pub fn run(arguments: &Arguments) -> Ended {
     let file = policies::named(&arguments.policy, foreign, task, &[asked])?;
     let goal = asked.or_else(|| policies::fixed_goal(&file));
     if goal.is_none() && file.contract().is_none() {
-        return Err(Failure::invalid("a policy without a contract does not say its goal: add --goal"));
+        return Err(Failure::invalid(
+            "a policy without a contract does not say its goal: add --goal",
+        ));
     }
     let runtime = arguments.runtime.runtime()?;
     let options = EvaluationOptions {
@@ -104,12 +113,25 @@ pub fn run(arguments: &Arguments) -> Ended {
         seed: arguments.seed,
         threads: arguments.threads.map(usize::from),
     };
-    let found = evaluate(task, &ready.model, &file, &runtime, &options).map_err(|error| Failure::fault(&error))?;
+    let found = evaluate(task, &ready.model, &file, &runtime, &options)
+        .map_err(|error| Failure::fault(&error))?;
     let label = goal_label(joint, goal);
     if arguments.json {
-        show::print_json(&report(arguments, &task.name, label, runtime.version(), found))?;
+        show::print_json(&report(
+            arguments,
+            &task.name,
+            label,
+            runtime.version(),
+            found,
+        ))?;
     } else {
-        show::print(&text(&task.name, &label, joint, !arguments.no_shield, &found))?;
+        show::print(&text(
+            &task.name,
+            &label,
+            joint,
+            !arguments.no_shield,
+            &found,
+        ))?;
     }
     Ok(exit::DONE)
 }
@@ -120,7 +142,10 @@ pub fn run(arguments: &Arguments) -> Ended {
 /// Where it is not one of this joint's.
 pub fn parse_goal(text: &str, joint: &Joint) -> Result<f64, Failure> {
     let invalid = |error: GoalError| Failure::invalid(error.to_string());
-    text.parse::<Goal>().map_err(invalid)?.state(joint).map_err(invalid)
+    text.parse::<Goal>()
+        .map_err(invalid)?
+        .state(joint)
+        .map_err(invalid)
 }
 
 /// The object that the user names, or else that of the policy.
@@ -129,13 +154,24 @@ fn object_path(arguments: &Arguments) -> Result<PathBuf, Failure> {
         return Ok(object.clone());
     }
     if !arguments.inputs.is_empty() {
-        return Err(Failure::invalid("a policy without a contract does not say its object: add --object FILE"));
+        return Err(Failure::invalid(
+            "a policy without a contract does not say its object: add --object FILE",
+        ));
     }
     let file = PolicyFile::read(&arguments.policy)
         .map_err(|error| Failure::incompatible(error.to_string()))?;
-    let name = file.contract().map(|contract| contract.object.clone()).unwrap_or_default();
-    let folder = arguments.policy.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let beside = folder.unwrap_or(std::path::Path::new(".")).join("../objects").join(format!("{name}.toml"));
+    let name = file
+        .contract()
+        .map(|contract| contract.object.clone())
+        .unwrap_or_default();
+    let folder = arguments
+        .policy
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    let beside = folder
+        .unwrap_or(std::path::Path::new("."))
+        .join("../objects")
+        .join(format!("{name}.toml"));
     if beside.exists() {
         return Ok(beside);
     }
@@ -150,7 +186,13 @@ fn object_path(arguments: &Arguments) -> Result<PathBuf, Failure> {
     )))
 }
 
-fn report(arguments: &Arguments, object: &str, goal: String, runtime: &'static str, found: Evaluation) -> Report {
+fn report(
+    arguments: &Arguments,
+    object: &str,
+    goal: String,
+    runtime: &'static str,
+    found: Evaluation,
+) -> Report {
     Report {
         policy: arguments.policy.clone(),
         object: object.to_owned(),
@@ -178,7 +220,9 @@ fn report(arguments: &Arguments, object: &str, goal: String, runtime: &'static s
 }
 
 fn text(object: &str, goal: &str, joint: &Joint, shield: bool, found: &Evaluation) -> String {
-    let error = found.mean_goal_error.map_or_else(|| "–".to_owned(), |error| joint.display(error));
+    let error = found
+        .mean_goal_error
+        .map_or_else(|| "–".to_owned(), |error| joint.display(error));
     format!(
         "{object}, goal {goal}, {} trials, shield {}\n\
          reward             {:.4} ± {:.4}\n\

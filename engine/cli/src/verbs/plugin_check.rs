@@ -60,7 +60,11 @@ pub fn run(arguments: &Arguments) -> Ended {
     } else {
         show::print(&text(&report))?;
     }
-    Ok(if report.passed() { exit::DONE } else { exit::INCOMPATIBLE })
+    Ok(if report.passed() {
+        exit::DONE
+    } else {
+        exit::INCOMPATIBLE
+    })
 }
 
 fn find(arguments: &Arguments) -> Result<Arc<Plugin>, Failure> {
@@ -69,12 +73,16 @@ fn find(arguments: &Arguments) -> Result<Arc<Plugin>, Failure> {
     }
     let registry = built_in::registry(&arguments.layers.plugin_dirs);
     let named = registry.list().iter().find_map(|listed| match listed {
-        Listed::Plugin(plugin) if arguments.plugin.as_os_str() == plugin.name() => Some(Arc::clone(plugin)),
+        Listed::Plugin(plugin) if arguments.plugin.as_os_str() == plugin.name() => {
+            Some(Arc::clone(plugin))
+        }
         _ => None,
     });
     named.ok_or_else(|| {
         let plugin = arguments.plugin.display();
-        Failure::invalid(format!("`{plugin}` is neither a file nor a plugin that `pubs-engine plugins list` shows"))
+        Failure::invalid(format!(
+            "`{plugin}` is neither a file nor a plugin that `pubs-engine plugins list` shows"
+        ))
     })
 }
 
@@ -92,13 +100,27 @@ fn json(report: &ConformanceReport) -> Report<'_> {
         outcome: word(check.outcome),
         detail: &check.detail,
     });
-    Report { ok: report.passed(), name: &report.name, version: &report.version, checks: checks.collect() }
+    Report {
+        ok: report.passed(),
+        name: &report.name,
+        version: &report.version,
+        checks: checks.collect(),
+    }
 }
 
 fn text(report: &ConformanceReport) -> String {
     let mut text = format!("{} {}\n", report.name, report.version);
     for check in &report.checks {
-        text += &format!("  {:<8} {:<28} {}\n", word(check.outcome), check.name, check.detail);
+        text += &format!(
+            "  {:<8} {:<28} {}\n",
+            word(check.outcome),
+            check.name,
+            check.detail
+        );
     }
-    text + if report.passed() { "keeps the contract" } else { "breaks the contract" }
+    text + if report.passed() {
+        "keeps the contract"
+    } else {
+        "breaks the contract"
+    }
 }

@@ -21,7 +21,9 @@ enum Verb {
     #[command(after_help = "Example: pubs-engine plugins list --plugin-dir build/")]
     List(ListArguments),
     /// Load a plugin and run the conformance kit
-    #[command(after_help = "Example: pubs-engine plugins check build/libmy_model.so --object objects/mine.toml")]
+    #[command(
+        after_help = "Example: pubs-engine plugins check build/libmy_model.so --object objects/mine.toml"
+    )]
     Check(super::plugin_check::Arguments),
 }
 
@@ -69,15 +71,24 @@ pub fn run(arguments: &Arguments) -> Ended {
 
 fn list(arguments: &ListArguments) -> Ended {
     let registry = built_in::registry(&arguments.plugin_dirs);
-    let mut report = Report { plugins: Vec::new(), refused: Vec::new() };
+    let mut report = Report {
+        plugins: Vec::new(),
+        refused: Vec::new(),
+    };
     for listed in registry.list() {
         match listed {
             Listed::Plugin(plugin) => report.plugins.push(entry(plugin, arguments.schema)),
             Listed::Refused { place, reason } => {
-                report.refused.push(Refused { place: place.clone(), reason: reason.clone() });
+                report.refused.push(Refused {
+                    place: place.clone(),
+                    reason: reason.clone(),
+                });
             }
             Listed::NotAPlugin(path) => {
-                report.refused.push(Refused { place: path.display().to_string(), reason: "not a plugin".to_owned() });
+                report.refused.push(Refused {
+                    place: path.display().to_string(),
+                    reason: "not a plugin".to_owned(),
+                });
             }
         }
     }
@@ -102,7 +113,10 @@ fn entry(plugin: &Plugin, schema: bool) -> Entry {
 fn text(report: &Report) -> String {
     let mut text = String::new();
     for plugin in &report.plugins {
-        text += &format!("{:<16} {:<18} {:<8} {}\n", plugin.name, plugin.kind, plugin.version, plugin.origin);
+        text += &format!(
+            "{:<16} {:<18} {:<8} {}\n",
+            plugin.name, plugin.kind, plugin.version, plugin.origin
+        );
         if let Some(schema) = &plugin.schema {
             text += &format!("{schema:#}\n");
         }

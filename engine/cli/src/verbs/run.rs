@@ -69,7 +69,12 @@ pub fn run(arguments: &Arguments) -> Ended {
     }
     let layers = &arguments.object.layers;
     let registry = built_in::registry(&layers.plugin_dirs);
-    let ready = object::ready(&arguments.object.object, &overrides(arguments), &registry, arguments.seed)?;
+    let ready = object::ready(
+        &arguments.object.object,
+        &overrides(arguments),
+        &registry,
+        arguments.seed,
+    )?;
     let goals = arguments
         .goals
         .iter()
@@ -78,12 +83,18 @@ pub fn run(arguments: &Arguments) -> Ended {
     let runtime = arguments.runtime.runtime()?;
     let interrupt = Arc::new(AtomicBool::new(false));
     let handler = Arc::clone(&interrupt);
-    ctrlc::set_handler(move || handler.store(true, Ordering::Release)).map_err(|error| Failure::fault(&error))?;
+    ctrlc::set_handler(move || handler.store(true, Ordering::Release))
+        .map_err(|error| Failure::fault(&error))?;
     let file = policy(arguments, &ready, &goals, &runtime, &interrupt)?;
-    let policy = file.open(&runtime).map_err(|error| Failure::incompatible(error.to_string()))?;
+    let policy = file
+        .open(&runtime)
+        .map_err(|error| Failure::incompatible(error.to_string()))?;
     let arm = arm(arguments, &ready.task, &registry)?;
     let options = RunOptions {
-        goals: goals.iter().map(|&state| GoalPlan { state, policy: 0 }).collect(),
+        goals: goals
+            .iter()
+            .map(|&state| GoalPlan { state, policy: 0 })
+            .collect(),
         shield: (!arguments.no_shield).then_some(ready.task.policy.shield),
         max_steps: arguments.max_steps,
         lockstep: arguments.lockstep,
@@ -92,7 +103,14 @@ pub fn run(arguments: &Arguments) -> Ended {
     };
     let bar = status_line();
     let mut watch = |status: &Status| bar.set_message(status_text(&ready.task, &goals, status));
-    let report = pubs_run::run(&ready.task, arm, Arc::clone(&ready.model), vec![policy], &options, &mut watch);
+    let report = pubs_run::run(
+        &ready.task,
+        arm,
+        Arc::clone(&ready.model),
+        vec![policy],
+        &options,
+        &mut watch,
+    );
     bar.finish_and_clear();
     let report = report.map_err(|error| Failure::invalid(error.to_string()))?;
     for note in &report.notes {
@@ -110,8 +128,13 @@ pub fn run(arguments: &Arguments) -> Ended {
 }
 
 fn overrides(arguments: &Arguments) -> pubs_core::object::Overrides {
-    let driver = arguments.driver.iter().map(|name| format!("driver.plugin={name}"));
-    pubs_core::object::Overrides::from_process(arguments.object.layers.set.iter().cloned().chain(driver))
+    let driver = arguments
+        .driver
+        .iter()
+        .map(|name| format!("driver.plugin={name}"));
+    pubs_core::object::Overrides::from_process(
+        arguments.object.layers.set.iter().cloned().chain(driver),
+    )
 }
 
 fn code(report: &RunReport) -> u8 {
@@ -122,7 +145,12 @@ fn code(report: &RunReport) -> u8 {
         Outcome::Fault => exit::FAULT,
     };
     match code(report.outcome) {
-        exit::DONE => report.goals.iter().map(|goal| code(goal.outcome)).max().unwrap_or(exit::DONE),
+        exit::DONE => report
+            .goals
+            .iter()
+            .map(|goal| code(goal.outcome))
+            .max()
+            .unwrap_or(exit::DONE),
         other => other,
     }
 }
@@ -139,14 +167,20 @@ fn policy(
     match &arguments.policy {
         Some(path) => policies::named(path, foreign, &ready.task, &wanted),
         None => {
-            let folder = arguments.policies.clone().unwrap_or_else(|| policies::folder_of(&arguments.object.object));
+            let folder = arguments
+                .policies
+                .clone()
+                .unwrap_or_else(|| policies::folder_of(&arguments.object.object));
             policies::found_or_trained(ready, &folder, &wanted, runtime, interrupt)
         }
     }
 }
 
 fn arm(arguments: &Arguments, task: &Task, registry: &Registry) -> Result<Box<dyn Arm>, Failure> {
-    let (Some(driver), Some(setup)) = (&task.driver, task.driver_setup(stream(arguments.seed, "driver"))) else {
+    let (Some(driver), Some(setup)) = (
+        &task.driver,
+        task.driver_setup(stream(arguments.seed, "driver")),
+    ) else {
         return Err(Failure::invalid(format!(
             "object `{}` has no [driver]: add one, or name a driver with --driver",
             task.name
@@ -160,14 +194,19 @@ fn arm(arguments: &Arguments, task: &Task, registry: &Registry) -> Result<Box<dy
         )));
     }
     match &task.sensor {
-        Some(sensor) if sensor != arm.sensor() && !arguments.accept_sensor => Err(Failure::incompatible(format!(
-            "the object's numbers were taken with the force sensor `{sensor}`, driver `{}` has `{}`: forces may differ \
+        Some(sensor) if sensor != arm.sensor() && !arguments.accept_sensor => {
+            Err(Failure::incompatible(format!(
+                "the object's numbers were taken with the force sensor `{sensor}`, driver `{}` has `{}`: forces may differ \
              by scale and offset; calibrate with this sensor, or run with --accept-sensor",
-            driver.plugin,
-            arm.sensor()
-        ))),
+                driver.plugin,
+                arm.sensor()
+            )))
+        }
         Some(sensor) if sensor != arm.sensor() => {
-            show::say(&format!("warning: sensor `{}` accepted in place of `{sensor}`", arm.sensor()));
+            show::say(&format!(
+                "warning: sensor `{}` accepted in place of `{sensor}`",
+                arm.sensor()
+            ));
             Ok(Box::new(arm))
         }
         _ => Ok(Box::new(arm)),
@@ -200,7 +239,9 @@ fn summary(joint: &Joint, report: &RunReport) -> String {
     for goal in &report.goals {
         text += &goal_text(joint, goal);
     }
-    let violations = report.safety_violations.map_or_else(|| "unknown".to_owned(), |count| count.to_string());
+    let violations = report
+        .safety_violations
+        .map_or_else(|| "unknown".to_owned(), |count| count.to_string());
     text += &format!(
         "{}: {} in {:.1} s, {} policy steps; safety violations {violations}, guard stops {}, belief recoveries {}\n",
         report.object,
@@ -210,7 +251,11 @@ fn summary(joint: &Joint, report: &RunReport) -> String {
         report.guard_stops,
         report.recoveries,
     );
-    let loops = [("controller", report.lateness.controller), ("filter", report.lateness.filter), ("policy", report.lateness.policy)];
+    let loops = [
+        ("controller", report.lateness.controller),
+        ("filter", report.lateness.filter),
+        ("policy", report.lateness.policy),
+    ];
     for (name, late) in loops {
         text += &format!(
             "{name:<10} late by p50 {} µs, p99 {} µs, max {} µs; {} deadlines missed\n",
@@ -221,10 +266,18 @@ fn summary(joint: &Joint, report: &RunReport) -> String {
 }
 
 fn goal_text(joint: &Joint, goal: &GoalReport) -> String {
-    let used: Vec<String> =
-        goal.actions.iter().filter(|&(_, &count)| count > 0).map(|(name, count)| format!("{name} {count}")).collect();
+    let used: Vec<String> = goal
+        .actions
+        .iter()
+        .filter(|&(_, &count)| count > 0)
+        .map(|(name, count)| format!("{name} {count}"))
+        .collect();
     let truth = match (goal.true_state, goal.goal_error) {
-        (Some(state), Some(error)) => format!("truly at {}, {} from the goal", joint.display(state), joint.display(error)),
+        (Some(state), Some(error)) => format!(
+            "truly at {}, {} from the goal",
+            joint.display(state),
+            joint.display(error)
+        ),
         _ => "judged by the belief; nobody knows the true state".to_owned(),
     };
     format!(

@@ -87,19 +87,30 @@ struct SeedReport {
 
 pub fn run(arguments: &Arguments) -> Ended {
     let registry = built_in::registry(&arguments.object.layers.plugin_dirs);
-    let ready = object::ready(&arguments.object.object, &arguments.object.layers.overrides(), &registry, arguments.seed)?;
+    let ready = object::ready(
+        &arguments.object.object,
+        &arguments.object.layers.overrides(),
+        &registry,
+        arguments.seed,
+    )?;
     let runtime = arguments.runtime.runtime()?;
     let joint = &ready.task.joint;
     let goal = match &arguments.goal {
         None => None,
         Some(text) => Some(parse_goal(text, joint)?),
     };
-    let mut recipe: Recipe = arguments.recipe.parse().map_err(|error: pubs_train::UnknownRecipe| Failure::invalid(error.to_string()))?;
+    let mut recipe: Recipe = arguments
+        .recipe
+        .parse()
+        .map_err(|error: pubs_train::UnknownRecipe| Failure::invalid(error.to_string()))?;
     recipe.steps = arguments.steps.unwrap_or(recipe.steps);
     let label = goal.map(|state| fraction_label(joint, state));
     let path = arguments.output.clone().unwrap_or_else(|| {
-        let suffix = label.as_ref().map_or_else(String::new, |label| format!("-{label}"));
-        policies::folder_of(&arguments.object.object).join(format!("{}{suffix}.onnx", ready.task.name))
+        let suffix = label
+            .as_ref()
+            .map_or_else(String::new, |label| format!("-{label}"));
+        policies::folder_of(&arguments.object.object)
+            .join(format!("{}{suffix}.onnx", ready.task.name))
     });
     let plan = TrainingPlan {
         recipe,
@@ -110,7 +121,11 @@ pub fn run(arguments: &Arguments) -> Ended {
         shield: (!arguments.no_shield).then_some(ready.task.policy.shield),
         threads: arguments.threads.map(usize::from),
     };
-    let existing = if arguments.overwrite { Existing::Replace } else { Existing::Keep };
+    let existing = if arguments.overwrite {
+        Existing::Replace
+    } else {
+        Existing::Keep
+    };
     let interrupt = interruptible()?;
     let result = training::train(&ready, &plan, &path, existing, &runtime, &interrupt)?;
     let report = report(&ready.task.name, label, &plan, path, result);
@@ -126,11 +141,18 @@ pub fn run(arguments: &Arguments) -> Ended {
 fn interruptible() -> Result<Arc<AtomicBool>, Failure> {
     let flag = Arc::new(AtomicBool::new(false));
     let handler = Arc::clone(&flag);
-    ctrlc::set_handler(move || handler.store(true, Ordering::Release)).map_err(|error| Failure::fault(&error))?;
+    ctrlc::set_handler(move || handler.store(true, Ordering::Release))
+        .map_err(|error| Failure::fault(&error))?;
     Ok(flag)
 }
 
-fn report(object: &str, label: Option<String>, plan: &TrainingPlan, policy: PathBuf, result: TrainingResult) -> Report {
+fn report(
+    object: &str,
+    label: Option<String>,
+    plan: &TrainingPlan,
+    policy: PathBuf,
+    result: TrainingResult,
+) -> Report {
     let seed_report = |candidate: &pubs_evaluate::Candidate| SeedReport {
         seed: candidate.seed,
         time_s: candidate.time_s,
@@ -146,7 +168,11 @@ fn report(object: &str, label: Option<String>, plan: &TrainingPlan, policy: Path
         recipe: plan.recipe.name,
         steps: best.steps,
         steps_per_s: best.steps as f64 / best.time_s,
-        time_s: result.candidates.iter().map(|candidate| candidate.time_s).sum(),
+        time_s: result
+            .candidates
+            .iter()
+            .map(|candidate| candidate.time_s)
+            .sum(),
         seeds: result.candidates.iter().map(seed_report).collect(),
         best: best.seed,
         evaluation: result.evaluation,
@@ -154,10 +180,22 @@ fn report(object: &str, label: Option<String>, plan: &TrainingPlan, policy: Path
 }
 
 fn text(report: &Report) -> String {
-    let mut text = format!("{}: goal {}, recipe {}, {} steps\n", report.object, report.goal, report.recipe, report.steps);
+    let mut text = format!(
+        "{}: goal {}, recipe {}, {} steps\n",
+        report.object, report.goal, report.recipe, report.steps
+    );
     for seed in &report.seeds {
-        let kept = if seed.seed == report.best { "  <- kept" } else { "" };
-        text += &format!("  seed {:<3} {:>8.0} steps/s  {}{kept}\n", seed.seed, seed.steps_per_s, line(&seed.evaluation));
+        let kept = if seed.seed == report.best {
+            "  <- kept"
+        } else {
+            ""
+        };
+        text += &format!(
+            "  seed {:<3} {:>8.0} steps/s  {}{kept}\n",
+            seed.seed,
+            seed.steps_per_s,
+            line(&seed.evaluation)
+        );
     }
     text += &format!("  fresh trials              {}\n", line(&report.evaluation));
     text + &format!("policy: {}", report.policy.display())

@@ -14,7 +14,6 @@ use super::fault::Fault;
 use super::layers::{Merged, Origin};
 use super::places::{Part, Places};
 
-
 /// Checks every rule. `at_fault` are the faults of single values.
 pub(super) fn check(merged: &Merged, places: &Places, at_fault: &[Fault]) -> Vec<Fault> {
     let mut rules = Rules {

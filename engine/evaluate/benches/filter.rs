@@ -78,7 +78,7 @@ fn steps(task: &Arc<Task>, model: &Arc<dyn Model>) -> (f64, u32) {
     let moves: Vec<usize> = (0..task.actions.len())
         .filter(|&index| matches!(task.actions[index].motion, Motion::Move { .. }))
         .collect();
-    let mut begin = |episode: &mut Episode, rng: &mut Xoshiro256PlusPlus| {
+    let begin = |episode: &mut Episode, rng: &mut Xoshiro256PlusPlus| {
         let (start, goal) = (draw_start(&task.joint, rng), draw_goal(&task.joint, rng));
         episode.begin(start, goal, rng);
     };

@@ -3,14 +3,14 @@
 //! [`evaluate`] runs randomised trials of a policy file on the surrogate of an object, on all
 //! cores, and sums them up as an [`Evaluation`]; the number of threads never changes a figure.
 //! [`train_best`] trains a policy with several seeds and keeps the one that does best on common
-//! trials. [`trial`] is one trial, [`statistics`] its sums.
+//! trials, and [`expected_of`] says what an object asks of a policy. [`trial`] is one trial, [`statistics`] its sums.
 
 mod candidates;
 mod evaluation;
+mod policy_file;
 pub mod statistics;
 pub mod trial;
 
-pub use candidates::{
-    Candidate, TrainBestError, TrainingPlan, contract_of, expected_of, train_best,
-};
+pub use candidates::{Candidate, TrainBestError, TrainingPlan, train_best};
 pub use evaluation::{EvaluateError, Evaluation, EvaluationOptions, GoalChoice, evaluate};
+pub use policy_file::expected_of;

@@ -1,11 +1,11 @@
 //! The closed loop of Fig. 2: controller, filter and policy at their own rates.
 //!
-//! The *controller* loop ([`control_loop`], 100 Hz) reads the driver through the [`guard`] and
-//! commands a twist; the *filter* loop ([`filter_loop`], 30 Hz) follows with the belief; the
-//! *policy* loop ([`policy_loop`], 10 Hz) chooses an action and judges goals. Each is a plain
+//! The *controller* loop (`control_loop`, 100 Hz) reads the driver through the [`guard`] and
+//! commands a twist; the *filter* loop (`filter_loop`, 30 Hz) follows with the belief; the
+//! *policy* loop (`policy_loop`, 10 Hz) chooses an action and judges goals. Each is a plain
 //! value with one `step`, and they exchange the latest value of a few small messages
-//! ([`messages`]). [`live`] runs them as three threads on absolute deadlines, exchanging through
-//! triple buffers, so that none can block the fast loop; [`lockstep`] runs the same steps on a
+//! (`messages`). `live` runs them as three threads on absolute deadlines, exchanging through
+//! triple buffers, so that none can block the fast loop; `lockstep` runs the same steps on a
 //! virtual clock, repeatably. Every way out ends in a ramped stop, and nothing resumes after one.
 
 pub mod arm;

@@ -23,7 +23,7 @@ use crate::{Ended, built_in, exit, object, show};
 pub struct Arguments {
     /// Policy file
     policy: PathBuf,
-    /// Object file [default: objects/<object of the policy>.toml beside the policy's folder]
+    /// Object file [default: objects/OBJECT.toml beside the policy's folder]
     #[arg(long, value_name = "FILE")]
     object: Option<PathBuf>,
     /// Goal of every trial [default: the policy's; for one that serves every goal, drawn per trial]

@@ -46,7 +46,7 @@ pub struct Arguments {
     /// Leave high-force actions unmasked in trials, as the paper
     #[arg(long)]
     no_shield: bool,
-    /// Write the policy here [default: policies/<object>.onnx, or <object>-<goal>.onnx]
+    /// Write the policy here [default: policies/OBJECT.onnx, or OBJECT-GOAL.onnx]
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Replace a policy file that differs

@@ -1,11 +1,11 @@
 //! The belief: a particle filter over the joint state and its summary, §III-B.
 //!
 //! Sequential importance sampling without resampling. One update is four steps:
-//! *predict* moves every particle by the measured displacement, eq. (6) ([`cloud`]);
-//! *weigh* multiplies by the likelihood of the observation, eq. (7) ([`likelihood`]);
-//! *normalise* makes the weights sum to one, eq. (8) ([`weights`]);
+//! *predict* moves every particle by the measured displacement, eq. (6) (`cloud`);
+//! *weigh* multiplies by the likelihood of the observation, eq. (7) (`likelihood`);
+//! *normalise* makes the weights sum to one, eq. (8) (`weights`);
 //! *summarise* takes mean and entropy, eq. (9) and (10).
-//! Weights are kept as logarithms. [`filter`] says what happens when nothing fits any more.
+//! Weights are kept as logarithms. `filter` says what happens when nothing fits any more.
 
 mod cloud;
 mod filter;

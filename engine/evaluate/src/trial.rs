@@ -11,8 +11,9 @@ use pubs_train::surrogate::{Episode, Stopped, draw_goal, draw_start};
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Trials that go through the policy together. Fixed, so that results do not depend on threads.
-pub const BATCH: u64 = 256;
+/// Trials that go through the policy together: few enough that their filters stay in a core's
+/// cache. Fixed, so that results do not depend on threads.
+pub const BATCH: u64 = 32;
 
 /// The share of the belief whose interval is judged.
 pub const COVERAGE: f64 = 0.9;

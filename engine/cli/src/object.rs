@@ -36,9 +36,11 @@ pub fn ready(
     if !faults.is_empty() {
         return Err(Failure::Faults(Faults(faults)));
     }
-    let model = registry
-        .observation_model(&task.observation.model)?
-        .create(&task.model_setup(stream(seed, "model")))?;
+    let plugin = registry.observation_model(&task.observation.model)?;
+    let model = match plugin.create(&task.model_setup(stream(seed, "model"))) {
+        Ok(model) => model,
+        Err(error) => return Err(refusal(&loaded, error)),
+    };
     Ok(Ready {
         task: Arc::new(task),
         model: Arc::new(model),
@@ -62,11 +64,17 @@ pub fn faults(path: &Path, overrides: &Overrides, registry: &Registry) -> Vec<Fa
     let created = registry
         .observation_model(&task.observation.model)
         .and_then(|plugin| plugin.create(&task.model_setup(0)));
-    created
-        .err()
-        .map(|error| model_fault(&loaded, &error))
-        .into_iter()
-        .collect()
+    match created {
+        Ok(_) => Vec::new(),
+        Err(error) => {
+            let faults = segment_faults(&loaded, &error);
+            if faults.is_empty() {
+                vec![model_fault(&loaded, &error)]
+            } else {
+                faults
+            }
+        }
+    }
 }
 
 /// What plugins say of the tables that are theirs.
@@ -121,6 +129,33 @@ fn at_their_lines(
         )
     };
     found.into_iter().map(fault).collect()
+}
+
+/// A model that could not be created: the object file's doing where segments are named, else the
+/// plugin's.
+fn refusal(loaded: &LoadedObject, error: HostError) -> Failure {
+    let faults = segment_faults(loaded, &error);
+    if faults.is_empty() {
+        error.into()
+    } else {
+        Failure::Faults(Faults(faults))
+    }
+}
+
+/// What a model says of single segments, `segment[17] …` a line, each at the segment's own line.
+fn segment_faults(loaded: &LoadedObject, error: &HostError) -> Vec<Fault> {
+    let text = error.to_string();
+    let faults = text.lines().filter_map(|line| {
+        let said = &line[line.find("segment[")?..];
+        let index: usize = said["segment[".len()..].split(']').next()?.parse().ok()?;
+        let key = format!("observation.segment.{index}");
+        Some(loaded.fault(
+            &key,
+            said,
+            "mend this segment; `pubs-engine plugins list --schema` describes segments",
+        ))
+    });
+    faults.collect()
 }
 
 fn model_fault(loaded: &LoadedObject, error: &HostError) -> Fault {

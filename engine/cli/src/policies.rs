@@ -85,7 +85,7 @@ pub fn found_or_trained(
     }
     let path = free_name(folder, &ready.task);
     show::say(&format!(
-        "note: no policy in {} fits; training one for every goal",
+        "note: no policy in {} fits; training one for every goal, which takes about half a minute",
         folder.display()
     ));
     std::fs::create_dir_all(folder).map_err(|error| {

@@ -80,6 +80,8 @@ pub struct LatenessReport {
 pub struct RunReport {
     /// Name of the object.
     pub object: String,
+    /// The policy that chose the actions.
+    pub policy: String,
     /// How the run ended: as its last goal did.
     pub outcome: Outcome,
     /// By whose word.

@@ -40,6 +40,8 @@ pub struct RunOptions {
     pub lockstep: bool,
     /// Seed, for the report; driver and model were made with streams of it.
     pub seed: u64,
+    /// The policy's name, for the report.
+    pub policy: String,
     /// Set from outside to stop.
     pub interrupt: Arc<AtomicBool>,
 }
@@ -199,6 +201,7 @@ fn sum_up(
     let violated = matches!(finished.trip, Some(Trip::Violation { .. }));
     RunReport {
         object: task.name.clone(),
+        policy: options.policy.clone(),
         outcome: stopped.unwrap_or(last.outcome),
         judged_by: last.judged_by,
         goal: last.goal,

@@ -53,6 +53,7 @@ impl Case {
             max_steps: 20,
             lockstep: self.lockstep,
             seed: 1,
+            policy: "always the same".to_owned(),
             interrupt,
         };
         let arm = Box::new(Dummy::new(self.arm, self.truth, &log));

@@ -27,7 +27,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     object: Option<PathBuf>,
     /// Goal of every trial [default: the policy's; for one that serves every goal, drawn per trial]
-    #[arg(long, value_name = "GOAL")]
+    #[arg(long, value_name = "GOAL", allow_hyphen_values = true)]
     goal: Option<String>,
     /// Number of trials
     #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(1..))]

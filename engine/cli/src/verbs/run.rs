@@ -27,7 +27,12 @@ pub struct Arguments {
     #[command(flatten)]
     object: ObjectOptions,
     /// Goal; several are reached one after the other, keeping the belief
-    #[arg(long = "goal", value_name = "GOAL", required = true)]
+    #[arg(
+        long = "goal",
+        value_name = "GOAL",
+        required = true,
+        allow_hyphen_values = true
+    )]
     goals: Vec<String>,
     /// Use this policy [default: one that fits from the folder of policies, or a new one]
     #[arg(long, value_name = "FILE")]
@@ -99,6 +104,7 @@ pub fn run(arguments: &Arguments) -> Ended {
         max_steps: arguments.max_steps,
         lockstep: arguments.lockstep,
         seed: arguments.seed,
+        policy: file.path().display().to_string(),
         interrupt,
     };
     let bar = status_line();
@@ -239,6 +245,7 @@ fn summary(joint: &Joint, report: &RunReport) -> String {
     for goal in &report.goals {
         text += &goal_text(joint, goal);
     }
+    text += &format!("policy {}\n", report.policy);
     let violations = report
         .safety_violations
         .map_or_else(|| "unknown".to_owned(), |count| count.to_string());

@@ -26,14 +26,14 @@ pub struct Arguments {
     #[command(flatten)]
     object: ObjectOptions,
     /// Train for this goal alone, as the paper [default: one policy for every goal]
-    #[arg(long, value_name = "GOAL")]
+    #[arg(long, value_name = "GOAL", allow_hyphen_values = true)]
     goal: Option<String>,
     /// Settings of PPO: `standard`, or `paper` for the paper's
     #[arg(long, default_value = "standard", value_name = "NAME")]
     recipe: String,
-    /// Steps of the surrogate to learn from [default: the recipe's, 500000]
-    #[arg(long)]
-    steps: Option<usize>,
+    /// Steps of the surrogate to learn from, rounded up to whole rollouts [default: the recipe's, 500000]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
+    steps: Option<u64>,
     /// Train so many seeds and keep the best
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=1000))]
     seeds: u64,
@@ -103,7 +103,7 @@ pub fn run(arguments: &Arguments) -> Ended {
         .recipe
         .parse()
         .map_err(|error: pubs_train::UnknownRecipe| Failure::invalid(error.to_string()))?;
-    recipe.steps = arguments.steps.unwrap_or(recipe.steps);
+    recipe.steps = arguments.steps.map_or(recipe.steps, |steps| steps as usize);
     let label = goal.map(|state| fraction_label(joint, state));
     let path = arguments.output.clone().unwrap_or_else(|| {
         let suffix = label

@@ -28,12 +28,13 @@ const KEPT_S: f64 = 3600.0;
 /// Between two looks of the watching thread.
 const WATCH: Duration = Duration::from_millis(50);
 
-/// The controller may be silent for so long before the run is given up.
+/// A loop may be silent for so long before the run goes on without it.
 const GIVE_UP_NS: u64 = 1_000_000_000;
 
 /// A reason to stop that another loop has found, for the controller.
 type Alarms = mpsc::Sender<Trip>;
 
+#[derive(Default)]
 struct Paced<T> {
     state: T,
     lateness: LatenessSummary,
@@ -83,9 +84,7 @@ pub fn run(loops: Loops, watch: &mut dyn FnMut(&Status)) -> Finished {
     });
     signals.finish();
     let end_ns = now_ns();
-    let filter = filter
-        .join()
-        .unwrap_or_else(|_| unreachable!("the thread catches panics"));
+    let filter = joined_in_time(filter);
     let policy = policy
         .join()
         .unwrap_or_else(|_| unreachable!("the thread catches panics"));
@@ -113,6 +112,17 @@ pub fn run(loops: Loops, watch: &mut dyn FnMut(&Status)) -> Finished {
         },
         real_time: control.is_some_and(|control| control.real_time),
     }
+}
+
+/// What a loop leaves behind; where it hangs in a plugin, nothing, for the arm rests already and
+/// the report must not wait for it.
+fn joined_in_time<T: Default>(thread: JoinHandle<Paced<T>>) -> Paced<T> {
+    let deadline_ns = now_ns() + GIVE_UP_NS;
+    while !thread.is_finished() && now_ns() < deadline_ns {
+        thread::sleep(WATCH);
+    }
+    let ended = thread.is_finished().then(|| thread.join().ok());
+    ended.flatten().unwrap_or_default()
 }
 
 /// Watches until the controller is done; true where it hangs.

@@ -6,7 +6,7 @@ mod common;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use common::{Dummy, Even, Log, ModelTrouble, SECOND, TROUBLE_AT_S, Trouble, always, task};
 use pubs_core::belief::Model;
@@ -275,7 +275,13 @@ fn trouble_in_real_time_ends_in_a_stop() {
         ),
     ];
     for (name, case, outcome, words) in cases {
+        let begun = Instant::now();
         let (report, log) = case.run();
+        let waited = begun.elapsed();
+        assert!(
+            waited < Duration::from_secs(10),
+            "{name}: the report came only after {waited:?}"
+        );
         let reason = report.reason.unwrap_or_default();
         assert_eq!(report.outcome, outcome, "{name}: {reason}");
         assert!(

@@ -221,7 +221,7 @@ impl Model for Even {
         sigma.fill(0.5);
         match self.trouble {
             ModelTrouble::Panics if late => panic!("the model panics"),
-            ModelTrouble::Hangs if late => std::thread::sleep(Duration::from_secs(1)),
+            ModelTrouble::Hangs if late => std::thread::sleep(Duration::from_secs(60)),
             ModelTrouble::NotANumber if late => mean.fill(f32::NAN),
             ModelTrouble::Impossible if late => mean.fill(500.0),
             _ => {}

@@ -18,6 +18,7 @@ mod live;
 mod lockstep;
 mod messages;
 mod policy_loop;
+pub mod recording;
 mod report;
 mod run;
 

@@ -1,0 +1,5 @@
+//! Calibration, §III-C.1: from demonstrations to the calibration segments of an object file.
+
+pub mod segment;
+
+pub use segment::{Channel, Segment, Values};

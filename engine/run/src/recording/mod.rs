@@ -1,0 +1,71 @@
+//! What an arm did and felt, kept: one [`Frame`] per control period, in an MCAP file.
+//!
+//! The raw pose and wrench are the recording; whatever else is written beside them can be worked
+//! out again. Topics are those of the program's documentation: `/pose`, `/wrench`, `/action`,
+//! `/observation`, `/guard`, `/timing`, `/demonstration` and, from virtual worlds alone, `/truth`.
+
+use pubs_plugin::{JointType, Reading};
+use serde::{Deserialize, Serialize};
+
+/// Version of the layout of topics and metadata; others are refused.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// What a recording says of itself.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Header {
+    /// [`FORMAT_VERSION`] of the writer.
+    pub format: u32,
+    /// Version of the engine that wrote it.
+    pub engine: String,
+    /// Name of the object.
+    pub object: String,
+    /// Kind of its joint.
+    pub joint: JointType,
+    /// The driver's force sensor.
+    pub sensor: String,
+    /// Names of the actions, in index order.
+    pub actions: Vec<String>,
+    /// Frames per second.
+    pub rate_hz: f64,
+    /// Seed of driver and model.
+    pub seed: u64,
+}
+
+/// One control period.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frame {
+    /// Time, pose, wrench and status, as the driver gave them.
+    pub reading: Reading,
+    /// Index of the action in force, into [`Header::actions`].
+    pub action: usize,
+    /// Which demonstration it belongs to, from 1; 0: none.
+    pub demonstration: u32,
+    /// Speed along the path that was commanded, positive towards open, m/s.
+    pub speed_m_s: f64,
+    /// Whether the arm moved as the action asks, neither speeding up nor turning round.
+    pub settled: bool,
+    /// The true joint state (rad or m), where a virtual world tells it.
+    pub truth: Option<f64>,
+}
+
+/// A demonstration that was carried out to its end.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Done {
+    /// Name of the action.
+    pub action: String,
+    /// Which demonstration, from 1.
+    pub demonstration: u32,
+}
+
+/// A recording, read back.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Recording {
+    /// What it says of itself.
+    pub header: Header,
+    /// In the order of time.
+    pub frames: Vec<Frame>,
+    /// Demonstrations carried out to their end.
+    pub done: Vec<Done>,
+    /// What was lost, in words for the user, where the file is cut off or damaged.
+    pub loss: Option<String>,
+}

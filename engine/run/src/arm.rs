@@ -28,6 +28,12 @@ pub trait Arm: Send {
     /// Where the robot refuses.
     fn command(&mut self, twist: Twist, expires_ns: u64) -> Result<(), ArmError>;
 
+    /// Takes the present wrench for zero. Only at rest and out of contact.
+    ///
+    /// # Errors
+    /// Where the baseline is not quiet.
+    fn tare(&mut self) -> Result<(), ArmError>;
+
     /// Ramps to rest.
     ///
     /// # Errors
@@ -51,6 +57,10 @@ impl Arm for DriverInstance {
 
     fn command(&mut self, twist: Twist, expires_ns: u64) -> Result<(), ArmError> {
         Ok(Self::command(self, twist, expires_ns)?)
+    }
+
+    fn tare(&mut self) -> Result<(), ArmError> {
+        Ok(Self::tare(self)?)
     }
 
     fn stop(&mut self) -> Result<(), ArmError> {

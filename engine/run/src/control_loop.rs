@@ -9,9 +9,11 @@ use pubs_core::joint::{Direction, Path, Pose};
 use pubs_plugin::Reading;
 
 use crate::guard::{COMMAND_PERIODS, Guard, Trip};
+use crate::loops::{Rates, Tap};
 use crate::messages::{Order, Sample, Signals};
+use crate::recording::Frame;
 
-/// Filter and policy may be silent for so many of their periods.
+/// The slower loops may be silent for so many of their periods.
 const SILENT_PERIODS: f64 = 5.0;
 
 /// The arm counts as moving as asked within this share of the asked speed.
@@ -23,10 +25,19 @@ pub struct ControlLoop {
     control: Control,
     guard: Guard,
     signals: Signals,
+    slower: [Slower; 2],
+    tap: Option<Tap>,
     path: Option<(Path, Pose)>,
     speed_m_s: f64,
     last_step_ns: Option<u64>,
     first_step_ns: u64,
+}
+
+/// A slower loop, whose signs of life are watched.
+#[derive(Debug, Clone, Copy)]
+struct Slower {
+    name: &'static str,
+    rate_hz: f64,
 }
 
 /// Where a tick left the loop.
@@ -39,13 +50,32 @@ pub enum Tick {
 }
 
 impl ControlLoop {
-    /// A loop around a guarded arm.
-    pub fn new(task: Arc<Task>, control: Control, guard: Guard, signals: Signals) -> Self {
+    /// A loop around a guarded arm; `tap` gets every control period.
+    pub fn new(
+        task: Arc<Task>,
+        control: Control,
+        guard: Guard,
+        signals: Signals,
+        rates: &Rates,
+        tap: Option<Tap>,
+    ) -> Self {
+        let [follower, chooser] = rates.names;
         Self {
             task,
             control,
             guard,
             signals,
+            slower: [
+                Slower {
+                    name: chooser,
+                    rate_hz: rates.chooser_hz,
+                },
+                Slower {
+                    name: follower,
+                    rate_hz: rates.follower_hz,
+                },
+            ],
+            tap,
             path: None,
             speed_m_s: 0.0,
             last_step_ns: None,
@@ -72,7 +102,11 @@ impl ControlLoop {
         if self.guard.tripped().is_some() {
             self.signals.trip();
         }
-        let sample = reading.map(|reading| self.advance(&reading, order, now_ns));
+        let sample = reading.map(|reading| {
+            let sample = self.advance(&reading, order, now_ns);
+            self.keep(reading, &sample);
+            sample
+        });
         if sample.is_none() {
             self.ramp_down_blind(now_ns);
         }
@@ -103,20 +137,28 @@ impl ControlLoop {
         if late_s > COMMAND_PERIODS / self.control.rate_hz && self.speed_m_s != 0.0 {
             self.guard.trip(Trip::Late { late_s });
         }
-        let alive = [
-            ("policy", order.time_ns, self.task.policy.rate_hz),
-            (
-                "filter",
-                self.signals.filter_alive_ns(),
-                self.task.belief.rate_hz,
-            ),
-        ];
-        for (name, alive_ns, rate_hz) in alive {
+        let alive_ns = [order.time_ns, self.signals.follower_alive_ns()];
+        for (Slower { name, rate_hz }, alive_ns) in self.slower.into_iter().zip(alive_ns) {
             let silent_s = seconds(alive_ns.max(self.first_step_ns));
             if silent_s > SILENT_PERIODS / rate_hz && !self.signals.is_finished() {
                 self.guard.trip(Trip::Silent { name, silent_s });
             }
         }
+    }
+
+    fn keep(&mut self, reading: Reading, sample: &Sample) {
+        let Some(tap) = self.tap.as_mut().filter(|_| sample.valid) else {
+            return;
+        };
+        let frame = Frame {
+            reading,
+            action: sample.action,
+            demonstration: sample.demonstration,
+            speed_m_s: sample.speed_m_s,
+            settled: sample.settled,
+            truth: self.signals.truth(),
+        };
+        tap(&frame, sample);
     }
 
     fn advance(&mut self, reading: &Reading, order: &Order, now_ns: u64) -> Sample {
@@ -158,6 +200,7 @@ impl ControlLoop {
             forces_n: path.frame(&pose, direction).decompose(&force),
             settled: moved_as_asked,
             speed_m_s: self.speed_m_s,
+            demonstration: order.demonstration,
             valid: true,
         }
     }

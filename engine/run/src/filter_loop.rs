@@ -7,7 +7,8 @@ use pubs_core::belief::{BeliefError, Filter, Recovery, Update};
 use pubs_core::observation::ArmObservation;
 use pubs_core::shield::{self, Shield};
 
-use crate::messages::{BeliefMessage, Sample, Signals};
+use crate::loops::Follower;
+use crate::messages::{BeliefMessage, Sample};
 
 /// So many recoveries are told in words; the rest are counted.
 const NOTES: usize = 20;
@@ -18,7 +19,6 @@ pub struct FilterLoop {
     filter: Filter,
     channels: Vec<String>,
     shield: Option<Shield>,
-    signals: Signals,
     previous: Option<Sample>,
     observation: Vec<f32>,
     allowed: Vec<bool>,
@@ -32,7 +32,6 @@ impl FilterLoop {
         filter: Filter,
         channels: Vec<String>,
         shield: Option<Shield>,
-        signals: Signals,
     ) -> Self {
         Self {
             observation: vec![0.0; channels.len()],
@@ -41,7 +40,6 @@ impl FilterLoop {
             filter,
             channels,
             shield,
-            signals,
             previous: None,
             notes: Vec::new(),
         }
@@ -57,15 +55,10 @@ impl FilterLoop {
         &self.notes
     }
 
-    /// One tick with the newest sample.
-    ///
-    /// # Errors
-    /// Where the belief cannot explain what is felt; the arm must stop.
-    pub fn step(&mut self, now_ns: u64, sample: &Sample) -> Result<BeliefMessage, BeliefError> {
+    fn belief(&mut self, sample: &Sample) -> Result<BeliefMessage, BeliefError> {
         if sample.valid {
             self.follow(sample)?;
         }
-        self.signals.filter_lives(now_ns);
         shield::allowed(
             self.shield.as_ref(),
             &self.task,
@@ -139,5 +132,14 @@ impl FilterLoop {
             self.task.actions[action].name,
             recovery.log_density,
         ));
+    }
+}
+
+impl Follower for FilterLoop {
+    type Message = BeliefMessage;
+
+    /// One tick with the newest sample. It fails where the belief cannot explain what is felt.
+    fn step(&mut self, _now_ns: u64, sample: &Sample) -> Result<BeliefMessage, String> {
+        self.belief(sample).map_err(|error| error.to_string())
     }
 }

@@ -4,7 +4,8 @@
 //! commands a twist; the *filter* loop (`filter_loop`, 30 Hz) follows with the belief; the
 //! *policy* loop (`policy_loop`, 10 Hz) chooses an action and judges goals. Each is a plain
 //! value with one `step`, and they exchange the latest value of a few small messages
-//! (`messages`). `live` runs them as three threads on absolute deadlines, exchanging through
+//! (`messages`). The two slower loops are interchangeable ([`Follower`], [`Chooser`]): calibration
+//! has its own. `live` runs them as three threads on absolute deadlines, exchanging through
 //! triple buffers, so that none can block the fast loop; `lockstep` runs the same steps on a
 //! virtual clock, repeatably. Every way out ends in a ramped stop, and nothing resumes after one.
 
@@ -16,6 +17,7 @@ pub mod guard;
 mod lateness;
 mod live;
 mod lockstep;
+mod loops;
 mod messages;
 mod policy_loop;
 pub mod recording;
@@ -25,6 +27,7 @@ mod run;
 pub use arm::{Arm, ArmError};
 pub use guard::{Guard, Trip};
 pub use lateness::{Lateness, LatenessSummary};
-pub use messages::Status;
+pub use loops::{Chooser, Drive, Driven, Follower, Rates, Tap, Verdict};
+pub use messages::{Order, Sample, Signals, Status};
 pub use report::{BeliefReport, GoalReport, JudgedBy, LatenessReport, Outcome, RunReport};
 pub use run::{GoalPlan, RunError, RunOptions, run};

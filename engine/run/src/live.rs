@@ -14,13 +14,11 @@ use triple_buffer::{Input, Output, triple_buffer};
 
 use crate::clock::{make_timely, now_ns, sleep_until, tick_ns};
 use crate::control_loop::{ControlLoop, Tick};
-use crate::filter_loop::FilterLoop;
 use crate::guard::Trip;
 use crate::lateness::{Lateness, LatenessSummary};
-use crate::messages::{BeliefMessage, Order, Sample, Signals, Status};
-use crate::policy_loop::{PolicyLoop, Verdict};
+use crate::loops::{Chooser, Drive, Driven, Follower, Verdict};
+use crate::messages::{Order, Sample, Signals};
 use crate::report::LatenessReport;
-use crate::run::{Finished, Loops};
 
 /// Room for the lateness of so many seconds.
 const KEPT_S: f64 = 3600.0;
@@ -34,7 +32,6 @@ const GIVE_UP_NS: u64 = 1_000_000_000;
 /// A reason to stop that another loop has found, for the controller.
 type Alarms = mpsc::Sender<Trip>;
 
-#[derive(Default)]
 struct Paced<T> {
     state: T,
     lateness: LatenessSummary,
@@ -42,19 +39,24 @@ struct Paced<T> {
 }
 
 /// Runs until the arm rests.
-pub fn run(loops: Loops, watch: &mut dyn FnMut(&Status)) -> Finished {
-    let Loops {
+pub fn run<F, C>(drive: Drive<F, C>, watch: &mut dyn FnMut(&C::Status)) -> Driven<F, C>
+where
+    F: Follower,
+    C: Chooser<Message = F::Message>,
+{
+    let Drive {
         controller,
-        filter,
-        policy,
+        follower,
+        chooser,
         signals,
+        names,
         rates_hz,
         interrupt,
-    } = loops;
+    } = drive;
     let (sample_in, sample_out) = triple_buffer(&Sample::default());
-    let (belief_in, belief_out) = triple_buffer(&BeliefMessage::default());
+    let (message_in, message_out) = triple_buffer(&F::Message::default());
     let (order_in, order_out) = triple_buffer(&Order::default());
-    let (status_in, mut status_out) = triple_buffer(&Status::default());
+    let (status_in, mut status_out) = triple_buffer(&C::Status::default());
     let (alarms, heard) = mpsc::channel();
     let start_ns = now_ns();
     let pace = |rate_hz| Pace {
@@ -69,14 +71,24 @@ pub fn run(loops: Loops, watch: &mut dyn FnMut(&Status)) -> Finished {
             control_thread(controller, &pace, sample_in, order_out, &heard, &interrupt)
         })
     };
-    let filter = {
+    let follower = {
         let (pace, alarms) = (pace(rates_hz[1]), alarms.clone());
-        thread::spawn(move || filter_thread(filter, &pace, sample_out, belief_in, &alarms))
+        thread::spawn(move || {
+            follower_thread(names[0], follower, &pace, sample_out, message_in, &alarms)
+        })
     };
-    let policy = {
+    let chooser = {
         let pace = pace(rates_hz[2]);
         thread::spawn(move || {
-            policy_thread(policy, &pace, belief_out, order_in, status_in, &alarms)
+            chooser_thread(
+                names[1],
+                chooser,
+                &pace,
+                message_out,
+                order_in,
+                status_in,
+                &alarms,
+            )
         })
     };
     let given_up = supervise(&control, &signals, start_ns, &mut || {
@@ -84,8 +96,8 @@ pub fn run(loops: Loops, watch: &mut dyn FnMut(&Status)) -> Finished {
     });
     signals.finish();
     let end_ns = now_ns();
-    let filter = joined_in_time(filter);
-    let policy = policy
+    let follower = joined_in_time(follower);
+    let chooser = chooser
         .join()
         .unwrap_or_else(|_| unreachable!("the thread catches panics"));
     let control = if given_up { None } else { control.join().ok() };
@@ -96,19 +108,22 @@ pub fn run(loops: Loops, watch: &mut dyn FnMut(&Status)) -> Finished {
             silent_s: GIVE_UP_NS as f64 * 1e-9,
         }),
     };
-    Finished {
-        policy: policy.state,
+    let (follower, follower_lateness) = match follower {
+        Some(paced) => (Some(paced.state), paced.lateness),
+        None => (None, LatenessSummary::default()),
+    };
+    Driven {
+        follower,
+        chooser: chooser.state,
         trip,
-        recoveries: filter.state.0,
-        notes: filter.state.1,
         time_s: (end_ns - start_ns) as f64 * 1e-9,
         end_ns,
         lateness: LatenessReport {
             controller: control
                 .as_ref()
                 .map_or_else(LatenessSummary::default, |control| control.lateness),
-            filter: filter.lateness,
-            policy: policy.lateness,
+            filter: follower_lateness,
+            policy: chooser.lateness,
         },
         real_time: control.is_some_and(|control| control.real_time),
     }
@@ -116,13 +131,12 @@ pub fn run(loops: Loops, watch: &mut dyn FnMut(&Status)) -> Finished {
 
 /// What a loop leaves behind; where it hangs in a plugin, nothing, for the arm rests already and
 /// the report must not wait for it.
-fn joined_in_time<T: Default>(thread: JoinHandle<Paced<T>>) -> Paced<T> {
+fn joined_in_time<T>(thread: JoinHandle<Paced<T>>) -> Option<Paced<T>> {
     let deadline_ns = now_ns() + GIVE_UP_NS;
     while !thread.is_finished() && now_ns() < deadline_ns {
         thread::sleep(WATCH);
     }
-    let ended = thread.is_finished().then(|| thread.join().ok());
-    ended.flatten().unwrap_or_default()
+    thread.is_finished().then(|| thread.join().ok()).flatten()
 }
 
 /// Watches until the controller is done; true where it hangs.
@@ -209,48 +223,51 @@ fn control_thread(
     }
 }
 
-fn filter_thread(
-    mut filter: FilterLoop,
+fn follower_thread<F: Follower>(
+    name: &'static str,
+    mut follower: F,
     pace: &Pace,
     mut samples: Output<Sample>,
-    mut beliefs: Input<BeliefMessage>,
+    mut messages: Input<F::Message>,
     alarms: &Alarms,
-) -> Paced<(u32, Vec<String>)> {
-    let lateness = caught("filter", alarms, || {
-        pace.keep(true, |now_ns| match filter.step(now_ns, samples.read()) {
-            Ok(belief) => {
-                beliefs.write(belief);
-                true
+) -> Paced<F> {
+    let lateness = caught(name, alarms, || {
+        pace.keep(true, |now_ns| {
+            let step = follower.step(now_ns, samples.read());
+            pace.signals.follower_lives(now_ns);
+            match step {
+                Ok(message) => {
+                    messages.write(message);
+                    true
+                }
+                Err(message) => raise(alarms, Trip::Loop { name, message }),
             }
-            Err(error) => raise(
-                alarms,
-                Trip::Loop {
-                    name: "filter",
-                    message: error.to_string(),
-                },
-            ),
         })
         .0
     });
     Paced {
-        state: (filter.filter().recoveries(), filter.notes().to_vec()),
+        state: follower,
         lateness,
         real_time: false,
     }
 }
 
-fn policy_thread(
-    mut policy: PolicyLoop,
+fn chooser_thread<C: Chooser>(
+    name: &'static str,
+    mut chooser: C,
     pace: &Pace,
-    mut beliefs: Output<BeliefMessage>,
+    mut messages: Output<C::Message>,
     mut orders: Input<Order>,
-    mut statuses: Input<Status>,
+    mut statuses: Input<C::Status>,
     alarms: &Alarms,
-) -> Paced<PolicyLoop> {
-    let lateness = caught("policy", alarms, || {
+) -> Paced<C>
+where
+    C::Message: Send,
+{
+    let lateness = caught(name, alarms, || {
         pace.keep(true, |now_ns| {
-            let step = policy.step(now_ns, beliefs.read());
-            statuses.write(policy.status(now_ns));
+            let step = chooser.step(now_ns, messages.read());
+            statuses.write(chooser.status(now_ns));
             match step {
                 Ok((order, verdict)) => {
                     orders.write(order);
@@ -263,19 +280,13 @@ fn policy_thread(
                         Verdict::Violation(action) => raise(alarms, Trip::Violation { action }),
                     }
                 }
-                Err(error) => raise(
-                    alarms,
-                    Trip::Loop {
-                        name: "policy",
-                        message: error.to_string(),
-                    },
-                ),
+                Err(message) => raise(alarms, Trip::Loop { name, message }),
             }
         })
         .0
     });
     Paced {
-        state: policy,
+        state: chooser,
         lateness,
         real_time: false,
     }

@@ -5,21 +5,24 @@ use std::sync::atomic::Ordering;
 use crate::clock::{SECOND_NS, tick_ns};
 use crate::control_loop::Tick;
 use crate::guard::Trip;
-use crate::messages::{BeliefMessage, Order, Sample, Status};
-use crate::policy_loop::Verdict;
+use crate::loops::{Chooser, Drive, Driven, Follower, Verdict};
+use crate::messages::{Order, Sample};
 use crate::report::LatenessReport;
-use crate::run::{Finished, Loops};
 
 /// Virtual time begins here, so that no time is zero.
 const START_NS: u64 = SECOND_NS;
 
-/// Runs until the arm rests. At each moment the controller comes first, then the filter, then the
-/// policy; an order takes effect at the controller's next tick, as it does between threads.
-pub fn run(mut loops: Loops, watch: &mut dyn FnMut(&Status)) -> Finished {
-    let [control_hz, filter_hz, policy_hz] = loops.rates_hz;
+/// Runs until the arm rests. At each moment the controller comes first, then the follower, then the
+/// chooser; an order takes effect at the controller's next tick, as it does between threads.
+pub fn run<F, C>(mut loops: Drive<F, C>, watch: &mut dyn FnMut(&C::Status)) -> Driven<F, C>
+where
+    F: Follower,
+    C: Chooser<Message = F::Message>,
+{
+    let [control_hz, follower_hz, chooser_hz] = loops.rates_hz;
     let mut ticks = [0_u64; 3];
     let mut sample = Sample::default();
-    let mut belief = BeliefMessage::default();
+    let mut message = F::Message::default();
     let mut order = Order::default();
     let end_ns = loop {
         let now_ns = tick_ns(START_NS, ticks[0], control_hz);
@@ -34,44 +37,47 @@ pub fn run(mut loops: Loops, watch: &mut dyn FnMut(&Status)) -> Finished {
             break now_ns;
         }
         let due = |tick: u64, rate_hz: f64| tick_ns(START_NS, tick, rate_hz) <= now_ns;
-        if due(ticks[1], filter_hz) {
+        if due(ticks[1], follower_hz) {
             ticks[1] += 1;
-            match loops.filter.step(now_ns, &sample) {
-                Ok(message) => belief = message,
-                Err(error) => loops.controller.guard().trip(Trip::Loop {
-                    name: "filter",
-                    message: error.to_string(),
-                }),
+            match loops.follower.step(now_ns, &sample) {
+                Ok(newest) => message = newest,
+                Err(message) => loops.fail(loops.names[0], message),
             }
+            loops.signals.follower_lives(now_ns);
         }
-        if due(ticks[2], policy_hz) {
+        if due(ticks[2], chooser_hz) {
             ticks[2] += 1;
-            match loops.policy.step(now_ns, &belief) {
-                Ok((newest, Verdict::Going)) => order = newest,
-                Ok((newest, Verdict::Done)) => {
+            match loops.chooser.step(now_ns, &message) {
+                Ok((newest, verdict)) => {
                     order = newest;
-                    loops.signals.finish();
+                    loops.follow(verdict);
                 }
-                Ok((newest, Verdict::Violation(action))) => {
-                    order = newest;
-                    loops.controller.guard().trip(Trip::Violation { action });
-                }
-                Err(error) => loops.controller.guard().trip(Trip::Loop {
-                    name: "policy",
-                    message: error.to_string(),
-                }),
+                Err(message) => loops.fail(loops.names[1], message),
             }
-            watch(&loops.policy.status(now_ns));
+            watch(&loops.chooser.status(now_ns));
         }
     };
-    Finished {
+    Driven {
         trip: loops.controller.guard().tripped().cloned(),
-        recoveries: loops.filter.filter().recoveries(),
-        notes: loops.filter.notes().to_vec(),
+        follower: Some(loops.follower),
+        chooser: loops.chooser,
         time_s: (end_ns - START_NS) as f64 / SECOND_NS as f64,
         end_ns,
-        policy: loops.policy,
         lateness: LatenessReport::default(),
         real_time: false,
+    }
+}
+
+impl<F, C> Drive<F, C> {
+    fn fail(&mut self, name: &'static str, message: String) {
+        self.controller.guard().trip(Trip::Loop { name, message });
+    }
+
+    fn follow(&mut self, verdict: Verdict) {
+        match verdict {
+            Verdict::Going => {}
+            Verdict::Done => self.signals.finish(),
+            Verdict::Violation(action) => self.controller.guard().trip(Trip::Violation { action }),
+        }
     }
 }

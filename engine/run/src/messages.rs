@@ -19,6 +19,8 @@ pub struct Sample {
     pub settled: bool,
     /// Speed along the path that is commanded, positive towards open, m/s.
     pub speed_m_s: f64,
+    /// Which demonstration of a calibration it belongs to; 0: none.
+    pub demonstration: u32,
     /// Whether there is a sample at all.
     pub valid: bool,
 }
@@ -50,13 +52,15 @@ impl Default for BeliefMessage {
     }
 }
 
-/// Policy to controller.
+/// Chooser to controller.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Order {
-    /// When the policy stepped; its sign of life.
+    /// When the chooser stepped; its sign of life.
     pub time_ns: u64,
     /// Index of the action.
     pub action: usize,
+    /// Which demonstration of a calibration it belongs to; 0: none.
+    pub demonstration: u32,
     /// Whether there is an order at all.
     pub valid: bool,
 }
@@ -101,7 +105,7 @@ struct Flags {
     tripped: AtomicBool,
     /// Bits of the true joint state, NaN where nobody knows; it travels apart from the samples.
     truth: AtomicU64,
-    filter_alive_ns: AtomicU64,
+    follower_alive_ns: AtomicU64,
     controller_alive_ns: AtomicU64,
 }
 
@@ -114,27 +118,27 @@ impl Signals {
     }
 
     /// The run is over: come to rest and leave.
-    pub fn finish(&self) {
+    pub(crate) fn finish(&self) {
         self.0.stop.store(true, Ordering::Release);
     }
 
     /// Whether the run is over.
-    pub fn is_finished(&self) -> bool {
+    pub(crate) fn is_finished(&self) -> bool {
         self.0.stop.load(Ordering::Acquire)
     }
 
     /// The guard has stopped the arm for good.
-    pub fn trip(&self) {
+    pub(crate) fn trip(&self) {
         self.0.tripped.store(true, Ordering::Release);
     }
 
     /// Whether the guard has stopped the arm.
-    pub fn is_tripped(&self) -> bool {
+    pub(crate) fn is_tripped(&self) -> bool {
         self.0.tripped.load(Ordering::Acquire)
     }
 
     /// Sets the true state, for scoring.
-    pub fn set_truth(&self, truth: Option<f64>) {
+    pub(crate) fn set_truth(&self, truth: Option<f64>) {
         self.0
             .truth
             .store(truth.unwrap_or(f64::NAN).to_bits(), Ordering::Release);
@@ -146,23 +150,23 @@ impl Signals {
         truth.is_finite().then_some(truth)
     }
 
-    /// The filter stepped.
-    pub fn filter_lives(&self, now_ns: u64) {
-        self.0.filter_alive_ns.store(now_ns, Ordering::Release);
+    /// The middle loop stepped.
+    pub(crate) fn follower_lives(&self, now_ns: u64) {
+        self.0.follower_alive_ns.store(now_ns, Ordering::Release);
     }
 
-    /// When the filter last stepped.
-    pub fn filter_alive_ns(&self) -> u64 {
-        self.0.filter_alive_ns.load(Ordering::Acquire)
+    /// When the middle loop last stepped.
+    pub(crate) fn follower_alive_ns(&self) -> u64 {
+        self.0.follower_alive_ns.load(Ordering::Acquire)
     }
 
     /// The controller stepped.
-    pub fn controller_lives(&self, now_ns: u64) {
+    pub(crate) fn controller_lives(&self, now_ns: u64) {
         self.0.controller_alive_ns.store(now_ns, Ordering::Release);
     }
 
     /// When the controller last stepped.
-    pub fn controller_alive_ns(&self) -> u64 {
+    pub(crate) fn controller_alive_ns(&self) -> u64 {
         self.0.controller_alive_ns.load(Ordering::Acquire)
     }
 }

@@ -6,23 +6,13 @@ use pubs_core::Task;
 use pubs_core::reward::violates_safety;
 use pubs_policy::{Policy, RunError as PolicyFault, choose};
 
+use crate::loops::{Chooser, Verdict};
 use crate::messages::{BeliefMessage, Order, Signals, Status};
 use crate::report::{BeliefReport, GoalReport, JudgedBy, Outcome};
 use crate::run::GoalPlan;
 
 /// After a stop the arm comes to rest for so long before the goal is judged.
 const SETTLING_S: f64 = 0.3;
-
-/// What a tick asks of the run.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Verdict {
-    /// Carry out the order.
-    Going,
-    /// Every goal has been judged.
-    Done,
-    /// A safety violation by this action, judged by the true state: stop for good.
-    Violation(String),
-}
 
 enum Phase {
     /// Choosing actions.
@@ -81,11 +71,7 @@ impl PolicyLoop {
         }
     }
 
-    /// One tick with the newest belief.
-    ///
-    /// # Errors
-    /// Where the policy gives no action; the arm must stop.
-    pub fn step(
+    fn choose(
         &mut self,
         now_ns: u64,
         belief: &BeliefMessage,
@@ -111,6 +97,7 @@ impl PolicyLoop {
         Order {
             time_ns: now_ns,
             action: self.action,
+            demonstration: 0,
             valid: true,
         }
     }
@@ -205,8 +192,23 @@ impl PolicyLoop {
         });
     }
 
-    /// What to show of the run just now.
-    pub fn status(&self, now_ns: u64) -> Status {
+    /// The goals judged so far.
+    pub fn into_reports(self) -> Vec<GoalReport> {
+        self.reports
+    }
+}
+
+impl Chooser for PolicyLoop {
+    type Message = BeliefMessage;
+    type Status = Status;
+
+    /// One tick with the newest belief. It fails where the policy gives no action.
+    fn step(&mut self, now_ns: u64, belief: &BeliefMessage) -> Result<(Order, Verdict), String> {
+        self.choose(now_ns, belief)
+            .map_err(|error| error.to_string())
+    }
+
+    fn status(&self, now_ns: u64) -> Status {
         let began_ns = self.began_ns.unwrap_or(now_ns);
         Status {
             time_s: now_ns.saturating_sub(began_ns) as f64 * 1e-9,
@@ -215,10 +217,5 @@ impl PolicyLoop {
             action: self.action,
             steps: self.steps,
         }
-    }
-
-    /// The goals judged so far.
-    pub fn into_reports(self) -> Vec<GoalReport> {
-        self.reports
     }
 }

@@ -10,13 +10,12 @@ use pubs_core::shield::Shield;
 use pubs_policy::Policy;
 
 use crate::arm::Arm;
-use crate::control_loop::ControlLoop;
 use crate::filter_loop::FilterLoop;
-use crate::guard::{Guard, Trip};
+use crate::guard::Trip;
+use crate::loops::{Drive, Driven, Rates};
 use crate::messages::{Signals, Status};
 use crate::policy_loop::PolicyLoop;
-use crate::report::{LatenessReport, Outcome, RunReport};
-use crate::{live, lockstep};
+use crate::report::{Outcome, RunReport};
 
 /// One goal and which of the policies serves it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,28 +74,6 @@ pub enum RunError {
     },
 }
 
-/// The three loops, wired to each other by whoever runs them.
-pub(crate) struct Loops {
-    pub controller: ControlLoop,
-    pub filter: FilterLoop,
-    pub policy: PolicyLoop,
-    pub signals: Signals,
-    pub rates_hz: [f64; 3],
-    pub interrupt: Arc<AtomicBool>,
-}
-
-/// What is left when the arm rests.
-pub(crate) struct Finished {
-    pub policy: PolicyLoop,
-    pub trip: Option<Trip>,
-    pub recoveries: u32,
-    pub notes: Vec<String>,
-    pub time_s: f64,
-    pub end_ns: u64,
-    pub lateness: LatenessReport,
-    pub real_time: bool,
-}
-
 /// Runs to the last goal, or to a stop. `watch` is called a few times per second, from another
 /// thread than the loops (in lockstep: at each policy step).
 ///
@@ -122,33 +99,32 @@ pub fn run(
     let signals = Signals::new();
     let filter = Filter::new(task, model);
     let vector_unit = filter.vector_unit().to_string();
-    let guard = Guard::new(arm, task, control);
-    let loops = Loops {
-        controller: ControlLoop::new(Arc::clone(task), control, guard, signals.clone()),
-        filter: FilterLoop::new(
-            Arc::clone(task),
-            filter,
-            channels,
-            options.shield,
-            signals.clone(),
-        ),
-        policy: PolicyLoop::new(
-            Arc::clone(task),
-            policies,
-            options.goals.clone(),
-            options.max_steps,
-            signals.clone(),
-        ),
-        signals: signals.clone(),
-        rates_hz: [control.rate_hz, task.belief.rate_hz, task.policy.rate_hz],
-        interrupt: Arc::clone(&options.interrupt),
+    let follower = FilterLoop::new(Arc::clone(task), filter, channels, options.shield);
+    let chooser = PolicyLoop::new(
+        Arc::clone(task),
+        policies,
+        options.goals.clone(),
+        options.max_steps,
+        signals.clone(),
+    );
+    let rates = Rates {
+        names: ["filter", "policy"],
+        follower_hz: task.belief.rate_hz,
+        chooser_hz: task.policy.rate_hz,
     };
-    let finished = if options.lockstep {
-        lockstep::run(loops, watch)
-    } else {
-        live::run(loops, watch)
-    };
-    Ok(sum_up(task, options, &signals, vector_unit, finished))
+    let drive = Drive::new(
+        task,
+        control,
+        arm,
+        follower,
+        chooser,
+        &rates,
+        signals.clone(),
+        None,
+        Arc::clone(&options.interrupt),
+    );
+    let driven = drive.run(options.lockstep, watch);
+    Ok(sum_up(task, options, &signals, vector_unit, driven))
 }
 
 fn check(
@@ -186,19 +162,25 @@ fn sum_up(
     options: &RunOptions,
     signals: &Signals,
     vector_unit: String,
-    mut finished: Finished,
+    mut driven: Driven<FilterLoop, PolicyLoop>,
 ) -> RunReport {
-    let stopped = finished.trip.as_ref().map(|trip| match trip {
+    let stopped = driven.trip.as_ref().map(|trip| match trip {
         Trip::Driver(_) | Trip::DriverFault | Trip::Loop { .. } => Outcome::Fault,
         _ => Outcome::SafetyStop,
     });
     // A goal that was under way when the arm was stopped ends with that stop.
-    finished
-        .policy
-        .judge(finished.end_ns, Some(stopped.unwrap_or(Outcome::Fault)));
-    let goals = finished.policy.into_reports();
+    driven
+        .chooser
+        .judge(driven.end_ns, Some(stopped.unwrap_or(Outcome::Fault)));
+    let (recoveries, notes) = driven
+        .follower
+        .as_ref()
+        .map_or_else(Default::default, |filter| {
+            (filter.filter().recoveries(), filter.notes().to_vec())
+        });
+    let goals = driven.chooser.into_reports();
     let last = goals[goals.len() - 1].clone();
-    let violated = matches!(finished.trip, Some(Trip::Violation { .. }));
+    let violated = matches!(driven.trip, Some(Trip::Violation { .. }));
     RunReport {
         object: task.name.clone(),
         policy: options.policy.clone(),
@@ -208,16 +190,16 @@ fn sum_up(
         belief: last.belief,
         true_state: last.true_state,
         goal_error: last.goal_error,
-        time_s: finished.time_s,
+        time_s: driven.time_s,
         policy_steps: goals.iter().map(|goal| goal.policy_steps).sum(),
         safety_violations: signals.truth().map(|_| u32::from(violated)),
-        guard_stops: u32::from(finished.trip.is_some() && !violated),
-        reason: finished.trip.map(|trip| trip.to_string()),
-        lateness: finished.lateness,
-        real_time: finished.real_time,
+        guard_stops: u32::from(driven.trip.is_some() && !violated),
+        reason: driven.trip.map(|trip| trip.to_string()),
+        lateness: driven.lateness,
+        real_time: driven.real_time,
         recording: None,
-        recoveries: finished.recoveries,
-        notes: finished.notes,
+        recoveries,
+        notes,
         vector_unit,
         seed: options.seed,
         goals,

@@ -155,6 +155,10 @@ impl Arm for Dummy {
         Ok(())
     }
 
+    fn tare(&mut self) -> Result<(), ArmError> {
+        Ok(())
+    }
+
     fn stop(&mut self) -> Result<(), ArmError> {
         self.speed = 0.0;
         self.log.lock().unwrap().stops += 1;

@@ -1,5 +1,9 @@
 //! Recordings of the virtual arm, in memory.
-#![allow(dead_code, clippy::unwrap_used, reason = "shared by tests that each use a part of it, and a test may fail")]
+#![allow(
+    dead_code,
+    clippy::unwrap_used,
+    reason = "shared by tests that each use a part of it, and a test may fail"
+)]
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -69,7 +73,11 @@ pub fn recorded(task: &Arc<Task>, demonstrations: u32, seed: u64) -> (Recording,
         object: task.name.clone(),
         joint: JointType::Revolute,
         sensor: "virtual-arm".to_owned(),
-        actions: task.actions.iter().map(|action| action.name.clone()).collect(),
+        actions: task
+            .actions
+            .iter()
+            .map(|action| action.name.clone())
+            .collect(),
         rate_hz: task.control.unwrap().rate_hz,
         seed,
     };

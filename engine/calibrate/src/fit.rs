@@ -29,7 +29,7 @@ const CONTACT_SHARE: f64 = 0.0008;
 const PLACE_SHARE: f64 = 0.5;
 
 /// The sigma that the slope of the mean adds is written where it is more than this share.
-const SLOPE_SHARE: f64 = 0.3;
+const SLOPE_SHARE: f64 = 0.5;
 
 /// What a left-out end says in the file.
 pub const LEFT_OUT: &str =
@@ -85,21 +85,19 @@ pub struct ActionReadings<'a> {
 /// Where an action has no readings, or readings are not finite.
 pub fn fit(task: &Task, traces: &[Trace]) -> Result<Vec<Segment>, FitError> {
     let readings = action_readings(task, traces)?;
-    let jobs: Vec<(&ActionReadings<'_>, Channel)> = readings
-        .iter()
-        .flat_map(|action| Channel::FORCES.map(|channel| (action, channel)))
-        .collect();
-    let forces: Vec<Vec<Segment>> = jobs
+    let regions: Vec<Regions> = readings
         .par_iter()
-        .map(|(action, channel)| action.force_segments(*channel, &action.free_pulls(*channel)))
+        .map(ActionReadings::regions)
         .collect::<Result<_, FitError>>()?;
     let mut segments = Vec::new();
-    for (action, forces) in readings.iter().zip(forces.chunks(Channel::FORCES.len())) {
-        segments.extend(forces.iter().flatten().cloned());
-        segments.extend(action.motion_segments());
+    for (action, regions) in readings.iter().zip(&regions) {
+        segments.extend(action.segments(regions)?);
     }
     Ok(segments)
 }
+
+/// For each force channel the cells at which a region of another variance begins.
+pub type Regions = [Vec<usize>; 3];
 
 /// The readings of each movement action.
 ///
@@ -234,18 +232,47 @@ impl<'a> ActionReadings<'a> {
             .collect()
     }
 
-    fn force_segments(
-        &self,
-        channel: Channel,
-        pulls: &[Readings],
-    ) -> Result<Vec<Segment>, FitError> {
-        let failed = |source| FitError::Curve {
+    /// Where each force changes its variance.
+    ///
+    /// # Errors
+    /// Where readings are not finite.
+    pub fn regions(&self) -> Result<Regions, FitError> {
+        let of = |channel| {
+            curve::regions(&self.grid, &self.free_pulls(channel))
+                .map_err(|source| self.failed(channel, source))
+        };
+        let [along, up, normal] = Channel::FORCES;
+        Ok([of(along)?, of(up)?, of(normal)?])
+    }
+
+    /// All segments of the action, cut at `regions`.
+    ///
+    /// # Errors
+    /// Where readings are not finite.
+    pub fn segments(&self, regions: &Regions) -> Result<Vec<Segment>, FitError> {
+        let mut segments = Vec::new();
+        for (channel, regions) in Channel::FORCES.into_iter().zip(regions) {
+            segments.extend(self.force_segments(channel, regions)?);
+        }
+        segments.extend(self.motion_segments());
+        Ok(segments)
+    }
+
+    fn failed(&self, channel: Channel, source: CurveError) -> FitError {
+        FitError::Curve {
             action: self.action.name.clone(),
             channel,
             source,
-        };
-        let regions = curve::regions(&self.grid, pulls).map_err(failed)?;
-        let pieces = curve::pieces(&self.grid, pulls, &regions).map_err(failed)?;
+        }
+    }
+
+    fn force_segments(
+        &self,
+        channel: Channel,
+        regions: &[usize],
+    ) -> Result<Vec<Segment>, FitError> {
+        let pieces = curve::pieces(&self.grid, &self.free_pulls(channel), regions)
+            .map_err(|source| self.failed(channel, source))?;
         let mut segments: Vec<Segment> = pieces
             .iter()
             .map(|piece| self.force_segment(channel, piece, None))
@@ -372,19 +399,8 @@ impl<'a> ActionReadings<'a> {
             .collect()
     }
 
-    fn stop_force_n(&self) -> f64 {
-        let Some(control) = self.task.control else {
-            return f64::INFINITY;
-        };
-        if self.action.is_high_force() {
-            control.force_limit_n - control.stop_overshoot_n(control.high_speed_m_s)
-        } else {
-            control.force_threshold_n
-        }
-    }
-
     fn motion_segments(&self) -> Vec<Segment> {
-        let stop_n = self.stop_force_n();
+        let stop_n = stop_force_n(self.task, self.action);
         let joint = &self.task.joint;
         let ahead = if self.opens() {
             joint.upper
@@ -442,12 +458,37 @@ impl<'a> ActionReadings<'a> {
     }
 }
 
-fn force(point: &Point, channel: Channel) -> f64 {
+/// Where a channel of a reading belongs, and its value: a force at the state it was felt at, m_p (0
+/// or 1) at the state before, since the force there decides.
+pub fn value(task: &Task, action: usize, point: &Point, channel: Channel) -> (f64, f64) {
     match channel {
-        Channel::Along => point.forces_n[0],
-        Channel::Up => point.forces_n[1],
-        Channel::Normal => point.forces_n[2],
-        Channel::Moves => f64::from(u8::from(point.held)),
+        Channel::Moves => {
+            let moves = point.force_before_n <= stop_force_n(task, &task.actions[action]);
+            (point.before, f64::from(u8::from(moves)))
+        }
+        channel => (point.state, force(point, channel)),
+    }
+}
+
+fn force(point: &Point, channel: Channel) -> f64 {
+    let [along, up, normal] = point.forces_n;
+    match channel {
+        Channel::Along | Channel::Moves => along,
+        Channel::Up => up,
+        Channel::Normal => normal,
+    }
+}
+
+/// The force above which an action stands still, N: F_t in safe mode; in high-force mode where the
+/// guard would stop it.
+fn stop_force_n(task: &Task, action: &Action) -> f64 {
+    let Some(control) = task.control else {
+        return f64::INFINITY;
+    };
+    if action.is_high_force() {
+        control.force_limit_n - control.stop_overshoot_n(control.high_speed_m_s)
+    } else {
+        control.force_threshold_n
     }
 }
 

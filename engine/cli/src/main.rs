@@ -5,6 +5,7 @@
 //! [`failure`] (how a verb ends that cannot go on). Exit codes are in [`exit`].
 
 mod built_in;
+mod driver;
 mod exit;
 mod failure;
 mod object;

@@ -47,9 +47,45 @@ pub fn ready(
     })
 }
 
+/// An object file whose observation model does not matter yet, as before a calibration.
+///
+/// # Errors
+/// Every fault of the file but those of its observation model.
+pub fn without_model(
+    path: &Path,
+    overrides: &Overrides,
+    registry: &Registry,
+) -> Result<(LoadedObject, Arc<Task>), Failure> {
+    let loaded = object::load(path, overrides)?;
+    let task = compile(&loaded.file).map_err(|error| Failure::fault(&error))?;
+    let faults = driver_faults(&loaded, &task, registry);
+    if !faults.is_empty() {
+        return Err(Failure::Faults(Faults(faults)));
+    }
+    Ok((loaded, Arc::new(task)))
+}
+
 /// Everything about one file that can be checked without moving anything.
 pub fn faults(path: &Path, overrides: &Overrides, registry: &Registry) -> Vec<Fault> {
-    let loaded = match object::load(path, overrides) {
+    faults_of(object::load(path, overrides), registry)
+}
+
+/// The same of a text that is not in its file yet.
+pub fn faults_of_text(
+    file: &Path,
+    text: &str,
+    overrides: &Overrides,
+    registry: &Registry,
+) -> Vec<Fault> {
+    let file = file.display().to_string();
+    faults_of(
+        object::load_text(&file, text.to_owned(), overrides),
+        registry,
+    )
+}
+
+fn faults_of(loaded: Result<LoadedObject, Faults>, registry: &Registry) -> Vec<Fault> {
+    let loaded = match loaded {
         Ok(loaded) => loaded,
         Err(Faults(faults)) => return faults,
     };
@@ -96,6 +132,12 @@ fn parameter_faults(loaded: &LoadedObject, task: &Task, registry: &Registry) -> 
             "name a plugin that `pubs-engine plugins list` shows",
         )),
     }
+    faults.extend(driver_faults(loaded, task, registry));
+    faults
+}
+
+fn driver_faults(loaded: &LoadedObject, task: &Task, registry: &Registry) -> Vec<Fault> {
+    let mut faults = Vec::new();
     if let Some(driver) = &task.driver {
         match registry.driver(&driver.plugin) {
             Ok(plugin) => {

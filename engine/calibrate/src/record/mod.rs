@@ -27,7 +27,7 @@ pub trait Keeper: Send {
     /// One control period.
     fn frame(&mut self, frame: &Frame, sample: &Sample);
     /// A demonstration came to its end.
-    fn done(&mut self, done: &Done);
+    fn done(&mut self, time_ns: u64, done: Done);
 }
 
 /// How to record.
@@ -58,6 +58,8 @@ pub struct RecordReport {
     pub trip: Option<Trip>,
     /// Duration, s.
     pub time_s: f64,
+    /// When the arm came to rest, on the clock of the readings.
+    pub end_ns: u64,
     /// How late the loops were.
     pub lateness: LatenessReport,
 }
@@ -138,7 +140,7 @@ pub fn record(
     let tap = Box::new(move |frame: &Frame, sample: &Sample| {
         keeper.frame(frame, sample);
         for done in heard.try_iter() {
-            keeper.done(&done);
+            keeper.done(frame.reading.time_ns, done);
         }
     });
     // The demonstrator decides as often as the controller steps, so that a high-force stroke ends
@@ -166,6 +168,7 @@ pub fn record(
         wanted: options.demonstrations as usize * Moves::COUNT,
         trip: driven.trip,
         time_s: driven.time_s,
+        end_ns: driven.end_ns,
         lateness: driven.lateness,
     })
 }

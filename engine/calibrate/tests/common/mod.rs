@@ -36,8 +36,8 @@ impl Keeper for Kept {
         self.0.lock().unwrap().0.push(*frame);
     }
 
-    fn done(&mut self, done: &Done) {
-        self.0.lock().unwrap().1.push(done.clone());
+    fn done(&mut self, _: u64, done: Done) {
+        self.0.lock().unwrap().1.push(done);
     }
 }
 

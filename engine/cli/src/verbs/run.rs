@@ -6,12 +6,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use pubs_core::seed::stream;
 use pubs_core::{Joint, Task};
-use pubs_host::Registry;
 use pubs_policy::{FeatureName, PolicyFile, Runtime};
-use pubs_run::{Arm, GoalPlan, GoalReport, Outcome, RunOptions, RunReport, Status};
+use pubs_run::{GoalPlan, GoalReport, Outcome, RunOptions, RunReport, Status};
 
+use crate::driver::{self, DriverOptions};
 use crate::failure::Failure;
 use crate::object::Ready;
 use crate::options::{ObjectOptions, RuntimeOptions};
@@ -43,12 +42,8 @@ pub struct Arguments {
     /// Inputs of a policy that was exported elsewhere and carries no contract, such as mean,entropy
     #[arg(long, value_delimiter = ',', value_name = "NAMES", requires = "policy")]
     inputs: Vec<FeatureName>,
-    /// Use this driver plugin instead of the object's
-    #[arg(long, value_name = "PLUGIN")]
-    driver: Option<String>,
-    /// Run on a virtual clock: the same run byte for byte (drivers with virtual time only)
-    #[arg(long)]
-    lockstep: bool,
+    #[command(flatten)]
+    driver: DriverOptions,
     /// Leave high-force actions unmasked, as the paper
     #[arg(long)]
     no_shield: bool,
@@ -58,9 +53,6 @@ pub struct Arguments {
     /// Seed of everything that is drawn
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Use the object although its numbers were taken with another force sensor
-    #[arg(long)]
-    accept_sensor: bool,
     #[command(flatten)]
     runtime: RuntimeOptions,
     /// One JSON object on stdout
@@ -76,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Ended {
     let registry = built_in::registry(&layers.plugin_dirs);
     let ready = object::ready(
         &arguments.object.object,
-        &overrides(arguments),
+        &arguments.driver.overrides(layers),
         &registry,
         arguments.seed,
     )?;
@@ -94,7 +86,8 @@ pub fn run(arguments: &Arguments) -> Ended {
     let policy = file
         .open(&runtime)
         .map_err(|error| Failure::incompatible(error.to_string()))?;
-    let arm = arm(arguments, &ready.task, &registry)?;
+    let arm = driver::open(&ready.task, &registry, &arguments.driver, arguments.seed)?;
+    driver::check_sensor(&ready.task, &arm, arguments.driver.accept_sensor)?;
     let options = RunOptions {
         goals: goals
             .iter()
@@ -102,7 +95,7 @@ pub fn run(arguments: &Arguments) -> Ended {
             .collect(),
         shield: (!arguments.no_shield).then_some(ready.task.policy.shield),
         max_steps: arguments.max_steps,
-        lockstep: arguments.lockstep,
+        lockstep: arguments.driver.lockstep,
         seed: arguments.seed,
         policy: file.path().display().to_string(),
         interrupt,
@@ -111,7 +104,7 @@ pub fn run(arguments: &Arguments) -> Ended {
     let mut watch = |status: &Status| bar.set_message(status_text(&ready.task, &goals, status));
     let report = pubs_run::run(
         &ready.task,
-        arm,
+        Box::new(arm),
         Arc::clone(&ready.model),
         vec![policy],
         &options,
@@ -131,16 +124,6 @@ pub fn run(arguments: &Arguments) -> Ended {
         show::print(&summary(&ready.task.joint, &report))?;
     }
     Ok(code(&report))
-}
-
-fn overrides(arguments: &Arguments) -> pubs_core::object::Overrides {
-    let driver = arguments
-        .driver
-        .iter()
-        .map(|name| format!("driver.plugin={name}"));
-    pubs_core::object::Overrides::from_process(
-        arguments.object.layers.set.iter().cloned().chain(driver),
-    )
 }
 
 fn code(report: &RunReport) -> u8 {
@@ -179,43 +162,6 @@ fn policy(
                 .unwrap_or_else(|| policies::folder_of(&arguments.object.object));
             policies::found_or_trained(ready, &folder, &wanted, runtime, interrupt)
         }
-    }
-}
-
-fn arm(arguments: &Arguments, task: &Task, registry: &Registry) -> Result<Box<dyn Arm>, Failure> {
-    let (Some(driver), Some(setup)) = (
-        &task.driver,
-        task.driver_setup(stream(arguments.seed, "driver")),
-    ) else {
-        return Err(Failure::invalid(format!(
-            "object `{}` has no [driver]: add one, or name a driver with --driver",
-            task.name
-        )));
-    };
-    let arm = registry.driver(&driver.plugin)?.open(&setup)?;
-    if arguments.lockstep && !arm.has_virtual_time() {
-        return Err(Failure::invalid(format!(
-            "driver `{}` lives in real time and cannot run in lockstep; leave out --lockstep",
-            driver.plugin
-        )));
-    }
-    match &task.sensor {
-        Some(sensor) if sensor != arm.sensor() && !arguments.accept_sensor => {
-            Err(Failure::incompatible(format!(
-                "the object's numbers were taken with the force sensor `{sensor}`, driver `{}` has `{}`: forces may differ \
-             by scale and offset; calibrate with this sensor, or run with --accept-sensor",
-                driver.plugin,
-                arm.sensor()
-            )))
-        }
-        Some(sensor) if sensor != arm.sensor() => {
-            show::say(&format!(
-                "warning: sensor `{}` accepted in place of `{sensor}`",
-                arm.sensor()
-            ));
-            Ok(Box::new(arm))
-        }
-        _ => Ok(Box::new(arm)),
     }
 }
 

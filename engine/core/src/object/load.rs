@@ -132,11 +132,10 @@ fn read(path: &Path) -> Result<String, (String, String)> {
 }
 
 /// Checks a text as if it were the file `file`.
-pub(super) fn load_text(
-    file: &str,
-    text: String,
-    overrides: &Overrides,
-) -> Result<LoadedObject, Faults> {
+///
+/// # Errors
+/// Everything that is wrong with it.
+pub fn load_text(file: &str, text: String, overrides: &Overrides) -> Result<LoadedObject, Faults> {
     if text.trim().is_empty() {
         let help = "start from one of the files in objects/";
         return Err(Fault::of_file(file, "the file is empty", help).into());

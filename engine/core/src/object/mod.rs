@@ -26,7 +26,7 @@ mod tests;
 pub use fault::{Fault, Faults};
 pub use json_schema::{json_schema, json_schema_text};
 pub use layers::{DEFAULTS, ENVIRONMENT_PREFIX, Origin, Overrides};
-pub use load::{LoadedObject, files, key_of_pointer, load};
+pub use load::{LoadedObject, files, key_of_pointer, load, load_text};
 pub use places::Location;
 pub use raw::ObjectFile;
 pub use render::render;

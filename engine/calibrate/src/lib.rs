@@ -7,6 +7,7 @@ mod curve;
 pub mod fit;
 mod grid;
 mod motion;
+pub mod object_text;
 pub mod pulls;
 pub mod record;
 pub mod segment;

@@ -22,8 +22,8 @@ use crate::spread::{Judgement, Outcome, Settings};
 /// A window is swept over so many degrees.
 pub const WINDOW_DEG: f64 = 10.0;
 
-/// Angles are sorted into cells of this width, as the published tables are.
-const CELL_DEG: f64 = 1.0;
+/// Angles are sorted into cells as wide as the table's own steps, but no finer than this.
+const FINEST_DEG: f64 = 0.25;
 
 /// Angle tables do not say how long the lever is: a reading spacing in metres is taken at the radius
 /// of a cabinet door, m.
@@ -105,10 +105,7 @@ fn judge(door: &Door, settings: &[Settings]) -> Result<DoorReport, SurveyError> 
                 .collect()
         })
         .collect();
-    let angles = || pulls.iter().flatten().map(|&(angle, _)| angle);
-    let lower = angles().fold(f64::INFINITY, f64::min) - 0.5 * CELL_DEG;
-    let upper = angles().fold(f64::NEG_INFINITY, f64::max) + 0.5 * CELL_DEG;
-    let grid = Grid::new(lower, upper, ((upper - lower) / CELL_DEG).round() as usize);
+    let grid = grid_of(&pulls);
     let failed = |source| SurveyError::Curve {
         door: door.name.clone(),
         source,
@@ -133,6 +130,22 @@ fn judge(door: &Door, settings: &[Settings]) -> Result<DoorReport, SurveyError> 
         ],
         judgements,
     })
+}
+
+fn grid_of(pulls: &[Readings]) -> Grid {
+    let mut angles: Vec<f64> = pulls.iter().flatten().map(|&(angle, _)| angle).collect();
+    angles.sort_by(f64::total_cmp);
+    let mut steps: Vec<f64> = angles
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .filter(|&step| step > 0.0)
+        .collect();
+    steps.sort_by(f64::total_cmp);
+    let usual = steps.get(steps.len() / 2).copied().unwrap_or(FINEST_DEG);
+    let cell = usual.max(FINEST_DEG);
+    let lower = angles.first().copied().unwrap_or(0.0) - 0.5 * cell;
+    let upper = angles.last().copied().unwrap_or(0.0) + 0.5 * cell;
+    Grid::new(lower, upper, ((upper - lower) / cell).round() as usize)
 }
 
 fn means_of(values: &Values) -> Vec<f64> {
@@ -240,7 +253,7 @@ fn task(grid: &Grid, settings: &Settings) -> Task {
         name: OPEN.to_owned(),
         motion: Motion::Move {
             mode: Mode::Safe,
-            displacement: CELL_DEG,
+            displacement: WINDOW_DEG,
             observations: 1,
         },
     }];

@@ -23,15 +23,21 @@ pub const MAX_STEPS: u32 = 250;
 
 /// Where an object's policies lie: `policies` beside the folder of its object file.
 pub fn folder_of(object: &Path) -> PathBuf {
+    sibling_folder(object, "policies")
+}
+
+/// A folder beside the folder of an object file.
+pub fn sibling_folder(object: &Path, name: &str) -> PathBuf {
     let folder = object
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty())
         .unwrap_or(Path::new("."));
-    folder
-        .join("..")
-        .join("policies")
-        .canonicalize()
-        .unwrap_or_else(|_| folder.join("../policies"))
+    // Without `..` in it, the path reads better.
+    let beside = folder.canonicalize().ok();
+    beside
+        .as_deref()
+        .and_then(Path::parent)
+        .map_or_else(|| folder.join("..").join(name), |parent| parent.join(name))
 }
 
 /// A file that the user named; it must fit every goal.

@@ -1,14 +1,52 @@
 //! What an arm did and felt, kept: one [`Frame`] per control period, in an MCAP file.
 //!
 //! The raw pose and wrench are the recording; whatever else is written beside them can be worked
-//! out again. Topics are those of the program's documentation: `/pose`, `/wrench`, `/action`,
-//! `/observation`, `/guard`, `/timing`, `/demonstration` and, from virtual worlds alone, `/truth`.
+//! out again. All messages are JSON with JSON Schemas; the log time is the frame's time.
+//!
+//! | topic | schema | what |
+//! |---|---|---|
+//! | `/pose` | `foxglove.PoseInFrame` | tool in base |
+//! | `/wrench` | `pubs.Wrench` | force and torque, tool axes |
+//! | `/action` | `pubs.Action` | action, demonstration, commanded speed, status |
+//! | `/observation` | `pubs.Observation` | joint displacement, f_d, f_z, f_n |
+//! | `/truth` | `pubs.Truth` | the true joint state, from virtual worlds alone |
+//! | `/demonstration` | `pubs.Demonstration` | one was carried out to its end |
+//! | `/guard` | `pubs.Guard` | why the guard stopped the arm |
+//! | `/timing` | `pubs.Timing` | how late the loops were |
+//!
+//! The metadata record `pubs-engine` holds the [`Header`], the attachment `object.toml` the object
+//! file as it was; both stand at the start, so that a file that is cut off still has them.
+//! [`RecordingWriter`] writes, [`Recorder`] does so beside a control loop, [`read`] reads whatever
+//! is left of a file.
+
+mod error;
+mod header;
+mod join;
+mod message;
+mod queue;
+mod read;
+mod recorder;
+mod records;
+#[cfg(test)]
+mod testing;
+mod topic;
+mod write;
+
+pub use error::{BadMessage, RecordingError};
+pub use header::{HeaderFault, joint_name};
+pub use message::{status_name, status_named};
+pub use read::read;
+pub use recorder::{Finished, Recorder};
+pub use write::RecordingWriter;
 
 use pubs_plugin::{JointType, Reading};
 use serde::{Deserialize, Serialize};
 
 /// Version of the layout of topics and metadata; others are refused.
 pub const FORMAT_VERSION: u32 = 1;
+
+/// Name of the metadata record that holds the header.
+const METADATA: &str = "pubs-engine";
 
 /// What a recording says of itself.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -48,6 +86,16 @@ pub struct Frame {
     pub truth: Option<f64>,
 }
 
+/// What follows from a frame's pose and wrench where the path of the handle is known; written for
+/// viewers, not read back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Observation {
+    /// Of the joint since the grasp (rad or m).
+    pub displacement: f64,
+    /// (f_d, f_z, f_n) along the action's direction, N.
+    pub forces_n: [f64; 3],
+}
+
 /// A demonstration that was carried out to its end.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Done {
@@ -62,7 +110,7 @@ pub struct Done {
 pub struct Recording {
     /// What it says of itself.
     pub header: Header,
-    /// In the order of time.
+    /// In the order in which they were recorded.
     pub frames: Vec<Frame>,
     /// Demonstrations carried out to their end.
     pub done: Vec<Done>,

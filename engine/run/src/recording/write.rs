@@ -1,0 +1,262 @@
+//! Writing a recording: an MCAP file that can be read up to a second before whatever ends it.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufWriter, ErrorKind};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use mcap::records::{MessageHeader, Metadata};
+use mcap::{Attachment, WriteOptions};
+use serde::Serialize;
+
+use super::message::{
+    ActionMessage, DemonstrationMessage, GuardMessage, ObservationMessage, PoseMessage,
+    TimingMessage, TruthMessage, WrenchMessage,
+};
+use super::topic::Topic;
+use super::{Done, Frame, Header, METADATA, Observation, RecordingError};
+use crate::clock::SECOND_NS;
+use crate::report::LatenessReport;
+
+/// Name under which the object file's text is attached.
+const OBJECT_ATTACHMENT: &str = "object.toml";
+
+/// Writes a recording. A chunk is closed and handed to the operating system with every second of
+/// frames, and after each message that is not a frame's; a program that is killed loses no more
+/// than that second.
+pub struct RecordingWriter {
+    file: PathBuf,
+    mcap: mcap::Writer<BufWriter<File>>,
+    actions: Vec<Arc<str>>,
+    /// In the order of [`Topic::ALL`].
+    channels: Vec<u16>,
+    frames: u32,
+    chunk_start_ns: Option<u64>,
+    buffer: Vec<u8>,
+}
+
+impl RecordingWriter {
+    /// Creates `file` and writes what the recording says of itself: `header`, and the text of the
+    /// object file as it was.
+    ///
+    /// # Errors
+    /// Where the file exists already or cannot be created.
+    pub fn create(file: &Path, header: &Header, object_toml: &str) -> Result<Self, RecordingError> {
+        let opened = File::options().write(true).create_new(true).open(file);
+        let opened = opened.map_err(|error| match error.kind() {
+            ErrorKind::AlreadyExists => RecordingError::Exists {
+                file: file.to_owned(),
+            },
+            _ => RecordingError::write(file, &error),
+        })?;
+        Self::begin(file, opened, header, object_toml)
+    }
+
+    fn begin(
+        file: &Path,
+        opened: File,
+        header: &Header,
+        object_toml: &str,
+    ) -> Result<Self, RecordingError> {
+        let failed = |error: mcap::McapError| RecordingError::mcap(file, &error);
+        // Without seeking, a chunk reaches the file whole, its lengths and checksum right.
+        let mut mcap = WriteOptions::new()
+            .compression(None)
+            .chunk_size(None)
+            .disable_seeking(true)
+            .create(BufWriter::new(opened))
+            .map_err(failed)?;
+        let fields = header.to_fields().map(|(key, text)| (key.to_owned(), text));
+        let metadata = Metadata {
+            name: METADATA.to_owned(),
+            metadata: BTreeMap::from(fields),
+        };
+        mcap.write_metadata(&metadata).map_err(failed)?;
+        let attachment = Attachment {
+            log_time: 0,
+            create_time: 0,
+            name: OBJECT_ATTACHMENT.to_owned(),
+            media_type: "application/toml".to_owned(),
+            data: object_toml.as_bytes().into(),
+        };
+        mcap.attach(&attachment).map_err(failed)?;
+        mcap.flush().map_err(failed)?;
+        let channels = Topic::ALL
+            .iter()
+            .map(|&topic| add_channel(&mut mcap, topic))
+            .collect::<Result<_, _>>()
+            .map_err(failed)?;
+        Ok(Self {
+            file: file.to_owned(),
+            mcap,
+            actions: header
+                .actions
+                .iter()
+                .map(|name| name.as_str().into())
+                .collect(),
+            channels,
+            frames: 0,
+            chunk_start_ns: None,
+            buffer: Vec::with_capacity(512),
+        })
+    }
+
+    /// The file.
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
+
+    /// Writes one control period; `observation` where the path of the handle is known.
+    ///
+    /// # Errors
+    /// Where the disk is full or gone.
+    pub fn frame(
+        &mut self,
+        frame: &Frame,
+        observation: Option<&Observation>,
+    ) -> Result<(), RecordingError> {
+        let time_ns = frame.reading.time_ns;
+        let started_ns = *self.chunk_start_ns.get_or_insert(time_ns);
+        if time_ns.saturating_sub(started_ns) >= SECOND_NS {
+            self.flush()?;
+            self.chunk_start_ns = Some(time_ns);
+        }
+        let Some(action) = self.actions.get(frame.action).cloned() else {
+            return Err(RecordingError::Write {
+                file: self.file.clone(),
+                reason: format!("the header names no action {}", frame.action),
+            });
+        };
+        self.message(Topic::Pose, time_ns, &PoseMessage::from(&frame.reading))?;
+        self.message(Topic::Wrench, time_ns, &WrenchMessage::from(&frame.reading))?;
+        if let Some(observation) = observation {
+            let message = ObservationMessage::new(time_ns, observation);
+            self.message(Topic::Observation, time_ns, &message)?;
+        }
+        if let Some(joint_state) = frame.truth {
+            let message = TruthMessage {
+                timestamp: time_ns.into(),
+                joint_state,
+            };
+            self.message(Topic::Truth, time_ns, &message)?;
+        }
+        // Last, because a frame that is cut off before it must not pass for a whole one.
+        self.message(Topic::Action, time_ns, &ActionMessage::new(frame, &action))?;
+        self.frames = self.frames.wrapping_add(1);
+        Ok(())
+    }
+
+    /// Notes that a demonstration was carried out to its end.
+    ///
+    /// # Errors
+    /// As [`frame`](Self::frame).
+    pub fn done(&mut self, time_ns: u64, done: &Done) -> Result<(), RecordingError> {
+        let message = DemonstrationMessage::new(time_ns, done);
+        self.message(Topic::Demonstration, time_ns, &message)?;
+        self.flush()
+    }
+
+    /// Notes why the guard stopped the arm.
+    ///
+    /// # Errors
+    /// As [`frame`](Self::frame).
+    pub fn guard(&mut self, time_ns: u64, reason: &str) -> Result<(), RecordingError> {
+        let message = GuardMessage {
+            timestamp: time_ns.into(),
+            reason,
+        };
+        self.message(Topic::Guard, time_ns, &message)?;
+        self.flush()
+    }
+
+    /// Notes how late the loops were.
+    ///
+    /// # Errors
+    /// As [`frame`](Self::frame).
+    pub fn timing(
+        &mut self,
+        time_ns: u64,
+        lateness: &LatenessReport,
+    ) -> Result<(), RecordingError> {
+        let message = TimingMessage {
+            timestamp: time_ns.into(),
+            lateness,
+        };
+        self.message(Topic::Timing, time_ns, &message)?;
+        self.flush()
+    }
+
+    /// Writes the end of the file, by which readers know that nothing is missing.
+    ///
+    /// # Errors
+    /// As [`frame`](Self::frame).
+    pub fn finish(mut self) -> Result<(), RecordingError> {
+        self.mcap
+            .finish()
+            .map_err(|error| RecordingError::mcap(&self.file, &error))?;
+        self.mcap
+            .into_inner()
+            .into_inner()
+            .map_err(std::io::IntoInnerError::into_error)
+            .and_then(|file| file.sync_all())
+            .map_err(|error| RecordingError::write(&self.file, &error))
+    }
+
+    fn flush(&mut self) -> Result<(), RecordingError> {
+        self.mcap
+            .flush()
+            .map_err(|error| RecordingError::mcap(&self.file, &error))
+    }
+
+    fn message(
+        &mut self,
+        topic: Topic,
+        time_ns: u64,
+        message: &impl Serialize,
+    ) -> Result<(), RecordingError> {
+        self.buffer.clear();
+        serde_json::to_writer(&mut self.buffer, message)
+            .map_err(|error| RecordingError::write(&self.file, &error.into()))?;
+        let header = MessageHeader {
+            channel_id: self.channels[topic as usize],
+            sequence: self.frames,
+            log_time: time_ns,
+            publish_time: time_ns,
+        };
+        self.mcap
+            .write_to_known_channel(&header, &self.buffer)
+            .map_err(|error| RecordingError::mcap(&self.file, &error))
+    }
+}
+
+fn add_channel(mcap: &mut mcap::Writer<BufWriter<File>>, topic: Topic) -> mcap::McapResult<u16> {
+    let schema = topic.schema().to_string();
+    let schema = mcap.add_schema(topic.schema_name(), "jsonschema", schema.as_bytes())?;
+    mcap.add_channel(schema, topic.name(), "json", &BTreeMap::new())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::recording::{FORMAT_VERSION, testing};
+
+    #[test]
+    fn a_full_disk_is_named_with_its_file() {
+        let full = Path::new("/dev/full");
+        let Ok(opened) = File::options().write(true).open(full) else {
+            println!("skipped: no /dev/full");
+            return;
+        };
+        let header = testing::header();
+        assert_eq!(header.format, FORMAT_VERSION);
+        let error = RecordingWriter::begin(full, opened, &header, "")
+            .err()
+            .unwrap();
+        let text = error.to_string();
+        assert!(text.starts_with("/dev/full: "), "{text}");
+        assert!(text.contains("No space left on device"), "{text}");
+    }
+}

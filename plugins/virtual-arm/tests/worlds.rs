@@ -2,12 +2,16 @@
 
 #![allow(clippy::unwrap_used)]
 
+use pubs_virtual_arm::resistance::Resisting;
 use pubs_virtual_arm::world::World;
+
+const SHIPPED: [&str; 4] = ["door1", "door2", "drawer1", "drawer2"];
 
 const DOOR2: &str = include_str!("../worlds/door2.toml");
 
 #[test]
 fn every_shipped_world_is_built_in_and_named_after_its_file() {
+    let mut names = Vec::new();
     for entry in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/worlds")).unwrap() {
         let path = entry.unwrap().path();
         let name = path.file_stem().unwrap().to_str().unwrap();
@@ -17,21 +21,75 @@ fn every_shipped_world_is_built_in_and_named_after_its_file() {
             name,
             "read from its path"
         );
+        names.push(name.to_owned());
+    }
+    names.sort();
+    assert_eq!(names, SHIPPED, "the tests below cover every file");
+}
+
+#[test]
+fn shipped_worlds_have_the_ranges_of_the_paper() {
+    // §IV-E: doors of 125 degrees, drawers of 25 to 28 cm.
+    for (name, upper) in [
+        ("door1", 125f64.to_radians()),
+        ("door2", 125f64.to_radians()),
+        ("drawer1", 0.25),
+        ("drawer2", 0.28),
+    ] {
+        let joint = World::load(name).unwrap().joint;
+        assert_eq!((joint.lower, joint.upper), (0.0, upper), "{name}");
     }
 }
 
 #[test]
-fn door2_is_as_stiff_as_its_object_file_allows() {
-    let world = World::load("door2").unwrap();
-    let (grasp, stop) = (
-        world.grasp.stiffness_n_per_m.x,
-        world.resistance.stop.stiffness_n_per_m,
-    );
-    let combined = grasp * stop / (grasp + stop);
-    assert!(
-        combined <= 5000.0,
-        "grasp and stop in series have {combined} N/m"
-    );
+fn forces_are_those_that_the_files_claim() {
+    // State (degrees or m), force towards closed, dry friction; worked out by hand, N.
+    // door1: 5.9 / (1 + e^((θ-18.5)/4)) and 1.5 + 1.2 sin(360° θ/140 + 45°).
+    // drawer1: 6 x and 2.2 + 0.3 sin(360° x/0.07 - 40°).
+    // drawer2: 18 exp(-(x/0.006)²/2) + 5 x and 2.8 + 0.4 sin(360° x/0.09 + 30°).
+    let cases = [
+        ("door1", 0.0, 5.8427, 2.3485),
+        ("door1", 18.5, 2.95, 2.6988),
+        ("door1", 87.5, 0.0, 0.3),
+        ("door1", 125.0, 0.0, 1.6344),
+        ("drawer1", 0.0, 0.0, 2.0072),
+        ("drawer1", 0.1, 0.6, 2.4735),
+        ("drawer1", 0.25, 1.5, 2.2740),
+        ("drawer2", 0.0, 18.0, 3.0),
+        ("drawer2", 0.006, 10.9476, 3.1236),
+        ("drawer2", 0.1, 0.5, 3.1759),
+        ("drawer2", 0.28, 1.4, 3.1759),
+    ];
+    for (name, state, closing, friction) in cases {
+        let world = World::load(name).unwrap();
+        let lever = world.joint.lever();
+        let way = match world.joint.radius_m {
+            Some(radius) => f64::to_radians(state) * radius,
+            None => state,
+        };
+        let object = Resisting::new(world.resistance, 0.0, world.joint.upper * lever);
+        let found = [object.closing_force_n(way), object.coulomb_n(way)];
+        assert!(
+            (found[0] - closing).abs() < 1e-4 && (found[1] - friction).abs() < 1e-4,
+            "{name} at {state}: {closing} and {friction} N, found {found:?}"
+        );
+    }
+}
+
+#[test]
+fn shipped_worlds_are_as_stiff_as_their_object_files_allow() {
+    for name in SHIPPED {
+        let world = World::load(name).unwrap();
+        let (grasp, stop) = (
+            world.grasp.stiffness_n_per_m.x,
+            world.resistance.stop.stiffness_n_per_m,
+        );
+        let combined = grasp * stop / (grasp + stop);
+        assert!(
+            combined <= 5000.0,
+            "{name}: grasp and stop in series have {combined} N/m"
+        );
+    }
 }
 
 #[test]

@@ -14,7 +14,12 @@ use crate::plant::STEP_S;
 
 const SCHEMA: u32 = 1;
 
-const BUILT_IN: &[(&str, &str)] = &[("door2", include_str!("../../worlds/door2.toml"))];
+const BUILT_IN: &[(&str, &str)] = &[
+    ("door1", include_str!("../../worlds/door1.toml")),
+    ("door2", include_str!("../../worlds/door2.toml")),
+    ("drawer1", include_str!("../../worlds/drawer1.toml")),
+    ("drawer2", include_str!("../../worlds/drawer2.toml")),
+];
 
 impl World {
     /// Reads a built-in world by name, or a file where the name ends in `.toml`.

@@ -37,6 +37,8 @@ enum Verb {
     Check(verbs::check::Arguments),
     /// Print the engine's default settings, commented
     Config(verbs::config::Arguments),
+    /// Record demonstrations and fit an object's observation model, or check that it still holds
+    Calibrate(verbs::calibrate::Arguments),
     /// Train a policy for an object
     Train(verbs::train::Arguments),
     /// Judge a policy by many simulated trials
@@ -51,6 +53,7 @@ fn main() -> ExitCode {
         Verb::Run(arguments) => verbs::run::run(&arguments),
         Verb::Check(arguments) => verbs::check::run(&arguments),
         Verb::Config(arguments) => verbs::config::run(&arguments),
+        Verb::Calibrate(arguments) => verbs::calibrate::run(&arguments),
         Verb::Train(arguments) => verbs::train::run(&arguments),
         Verb::Evaluate(arguments) => verbs::evaluate::run(&arguments),
         Verb::Plugins(arguments) => verbs::plugins::run(&arguments),

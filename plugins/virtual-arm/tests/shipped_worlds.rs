@@ -64,7 +64,11 @@ impl Scene {
 #[test]
 fn nothing_moves_by_itself() {
     for name in SHIPPED {
-        let upper = if name.starts_with("door") { 125.0 } else { 0.25 };
+        let upper = if name.starts_with("door") {
+            125.0
+        } else {
+            0.25
+        };
         for fraction in [0.0, 0.008, 0.024, 0.08, 0.15, 0.5, 0.7, 1.0] {
             let mut plant = Scene::at(name, fraction * upper).plant;
             let (state, force) = (plant.joint_state(), plant.wrench().force);

@@ -33,7 +33,8 @@ pub fn fit(
         show::say(render(&Faults(faults), show::color_on_stderr()).trim_end());
         return Err(Failure::Other {
             code: exit::FAULT,
-            message: "the fitted segments do not make a model; the object file is as before".to_owned(),
+            message: "the fitted segments do not make a model; the object file is as before"
+                .to_owned(),
         });
     }
     if !arguments.dry_run {
@@ -52,7 +53,11 @@ pub fn fit(
     } else {
         show::print(&summary::text(task, &report))?;
     }
-    Ok(if checked.lost { exit::MISSED } else { exit::DONE })
+    Ok(if checked.lost {
+        exit::MISSED
+    } else {
+        exit::DONE
+    })
 }
 
 /// The text of the object file with the new segments, and where they come from.

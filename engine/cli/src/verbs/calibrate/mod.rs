@@ -1,6 +1,5 @@
 //! `pubs-engine calibrate`: from demonstrations to the segments of an object file.
 
-mod check;
 mod edit;
 mod record;
 mod recordings;
@@ -87,13 +86,13 @@ pub fn run(arguments: &Arguments) -> Ended {
     } else {
         arguments.from.clone()
     };
-    if let Some(folder) = &arguments.export {
-        return recordings::export(&recorded, folder, arguments.json);
-    }
     let recordings = recordings::checked(arguments, &task, &recorded)?;
-    if arguments.check {
-        check::check(arguments, &task, &recordings)
-    } else {
-        edit::fit(arguments, &loaded, &task, &registry, &overrides, &recordings)
-    }
+    edit::fit(
+        arguments,
+        &loaded,
+        &task,
+        &registry,
+        &overrides,
+        &recordings,
+    )
 }

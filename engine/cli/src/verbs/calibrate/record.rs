@@ -48,7 +48,11 @@ pub fn record(
         .recordings
         .clone()
         .unwrap_or_else(|| folder_of(&arguments.object));
-    let kind = if arguments.check { "check" } else { "calibration" };
+    let kind = if arguments.check {
+        "check"
+    } else {
+        "calibration"
+    };
     let earlier = Earlier::find(arguments, task, &folder, kind)?;
     if earlier.is_whole(task, arguments.demonstrations()) {
         show::say(&format!(
@@ -62,10 +66,14 @@ pub fn record(
         driver::check_sensor(task, &arm, arguments.driver.accept_sensor)?;
     }
     std::fs::create_dir_all(&folder).map_err(|error| {
-        Failure::invalid(format!("cannot make the folder {}: {error}", folder.display()))
+        Failure::invalid(format!(
+            "cannot make the folder {}: {error}",
+            folder.display()
+        ))
     })?;
-    let writer = RecordingWriter::create(&earlier.next, &header(arguments, task, &arm), loaded.text())
-        .map_err(|error| Failure::invalid(error.to_string()))?;
+    let writer =
+        RecordingWriter::create(&earlier.next, &header(arguments, task, &arm), loaded.text())
+            .map_err(|error| Failure::invalid(error.to_string()))?;
     let recorder = if arguments.driver.lockstep {
         Recorder::direct(writer)
     } else {
@@ -85,7 +93,13 @@ pub fn record(
     };
     let bar = status_line();
     let mut watch = |status: &RecordStatus| bar.set_message(status_text(task, &options, status));
-    let report = drive(task, Box::new(arm), Box::new(kept.clone()), &options, &mut watch);
+    let report = drive(
+        task,
+        Box::new(arm),
+        Box::new(kept.clone()),
+        &options,
+        &mut watch,
+    );
     bar.finish_and_clear();
     let report = match report {
         Ok(report) => report,
@@ -200,7 +214,11 @@ fn header(arguments: &Arguments, task: &Task, arm: &DriverInstance) -> Header {
             _ => JointType::Prismatic,
         },
         sensor: arm.sensor().to_owned(),
-        actions: task.actions.iter().map(|action| action.name.clone()).collect(),
+        actions: task
+            .actions
+            .iter()
+            .map(|action| action.name.clone())
+            .collect(),
         rate_hz: task.control.map_or(0.0, |control| control.rate_hz),
         seed: arguments.seed,
     }
@@ -291,7 +309,10 @@ fn told(
 }
 
 fn names(files: &[PathBuf]) -> String {
-    let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+    let names: Vec<String> = files
+        .iter()
+        .map(|file| file.display().to_string())
+        .collect();
     names.join(", ")
 }
 
@@ -305,11 +326,10 @@ fn status_line() -> ProgressBar {
 }
 
 fn status_text(task: &Task, options: &RecordOptions, status: &RecordStatus) -> String {
-    let state = status
-        .state
-        .map_or_else(|| "on the way to the closed limit".to_owned(), |state| {
-            format!("at {}", task.joint.display(state))
-        });
+    let state = status.state.map_or_else(
+        || "on the way to the closed limit".to_owned(),
+        |state| format!("at {}", task.joint.display(state)),
+    );
     format!(
         "{:5.1} s  demonstration {} of {}  {}  {state}  {} done",
         status.time_s,

@@ -2,9 +2,11 @@
 #![allow(clippy::unwrap_used)]
 
 mod hand;
+mod virtual_arm;
 
 use std::path::Path;
 
+use pubs_core::Task;
 use pubs_plugin::JointType;
 use pubs_run::recording::{Frame, Recording};
 

@@ -2,8 +2,12 @@
 
 pub mod calibration;
 mod changepoints;
+mod column;
 mod contact;
+pub mod csv;
 mod curve;
+mod fault;
+pub mod faults;
 pub mod fit;
 mod grid;
 mod motion;
@@ -13,8 +17,12 @@ pub mod record;
 pub mod segment;
 mod segment_model;
 mod smoothing;
+mod source;
 pub mod spread;
 pub mod survey;
+mod table;
 pub mod traces;
 
+pub use fault::{Fault, Place, Refused};
 pub use segment::{Channel, Segment, Values};
+pub use source::Source;

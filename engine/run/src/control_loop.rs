@@ -29,6 +29,8 @@ pub struct ControlLoop {
     tap: Option<Tap>,
     path: Option<(Path, Pose)>,
     speed_m_s: f64,
+    /// Sign of the present motion, and the displacement at which it began.
+    turned: Option<(f64, f64)>,
     last_step_ns: Option<u64>,
     first_step_ns: u64,
 }
@@ -78,6 +80,7 @@ impl ControlLoop {
             tap,
             path: None,
             speed_m_s: 0.0,
+            turned: None,
             last_step_ns: None,
             first_step_ns: 0,
         }
@@ -171,6 +174,8 @@ impl ControlLoop {
         };
         *last_pose = pose;
         let path = path.clone();
+        let displacement = path.displacement(&pose);
+        let has_taken_up_the_give = self.has_taken_up_the_give(displacement);
         let index = if order.valid {
             order.action
         } else {
@@ -184,7 +189,9 @@ impl ControlLoop {
         } else {
             self.control.speed(action, force_along_n)
         };
-        let moved_as_asked = !action.is_stop() && is_settled(self.speed_m_s, wanted);
+        let moved_as_asked = !action.is_stop()
+            && is_settled(self.speed_m_s, wanted)
+            && (wanted == 0.0 || has_taken_up_the_give);
         self.speed_m_s = self.control.ramp(self.speed_m_s, wanted);
         self.guard.command(&path, &pose, self.speed_m_s, now_ns);
 
@@ -196,13 +203,29 @@ impl ControlLoop {
         let force = pose.orientation * Vector3::from(reading.force_n);
         Sample {
             action: index,
-            displacement: path.displacement(&pose),
+            displacement,
             forces_n: path.frame(&pose, direction).decompose(&force),
             settled: moved_as_asked,
             speed_m_s: self.speed_m_s,
             demonstration: order.demonstration,
             valid: true,
         }
+    }
+
+    /// Whether the tool has come as far since it last turned round as grasp and object give at the
+    /// threshold: before, the force is still on its way from one direction's to the other's.
+    fn has_taken_up_the_give(&mut self, displacement: f64) -> bool {
+        if self.speed_m_s == 0.0 {
+            return false;
+        }
+        let sign = self.speed_m_s.signum();
+        let (known, began) = self.turned.unwrap_or((0.0, displacement));
+        if known != sign {
+            self.turned = Some((sign, displacement));
+            return false;
+        }
+        let give_m = self.control.force_threshold_n / self.control.contact_stiffness_n_per_m;
+        (displacement - began).abs() / self.task.joint.per_metre() >= give_m
     }
 
     /// Without a reading the last known pose must do; the guard has tripped.

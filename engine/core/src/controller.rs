@@ -5,6 +5,10 @@ use nalgebra::Vector3;
 use crate::action::{Action, Mode, Motion};
 use crate::joint::{Direction, Path, Pose};
 
+/// Grasp and object sway for about so long after a change of speed, s. Until then the force is not
+/// that of the steady motion which an observation model describes.
+pub const SWAY_S: f64 = 0.1;
+
 /// `[control]`: speeds, forces and accelerations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Control {
@@ -63,16 +67,27 @@ impl Control {
         }
     }
 
-    /// One control period's change of speed towards `target`: speeding up is bounded by the
-    /// acceleration, slowing down, also to turn round, by the deceleration of a stop.
+    /// How long after an order the forces are not those of steady motion, s: the ramp from `speed`
+    /// to `target` (signed, m/s), then [`SWAY_S`].
+    pub fn unsteady_s(&self, speed: f64, target: f64) -> f64 {
+        let ramp_s = if speed * target < 0.0 {
+            speed.abs() / self.stop_deceleration_m_s2 + target.abs() / self.acceleration_m_s2
+        } else {
+            (target - speed).abs() / self.acceleration_m_s2
+        };
+        if ramp_s == 0.0 { 0.0 } else { ramp_s + SWAY_S }
+    }
+
+    /// One control period's change of speed towards `target`: to rest, also to turn round, by the
+    /// deceleration of a stop; from one speed to another by the acceleration.
     pub fn ramp(&self, speed: f64, target: f64) -> f64 {
         let braking = self.stop_deceleration_m_s2 / self.rate_hz;
         if speed * target < 0.0 {
             // Turning round: to rest first, so that the old direction is left quickly.
             return speed - speed.clamp(-braking, braking);
         }
-        let slowing = target.abs() < speed.abs();
-        let step = if slowing {
+        // Slowing down to go on is no stop: braking hard would set the object swaying.
+        let step = if target == 0.0 {
             braking
         } else {
             self.acceleration_m_s2 / self.rate_hz

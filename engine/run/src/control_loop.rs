@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 use pubs_core::Task;
-use pubs_core::controller::{self, Control};
+use pubs_core::controller::{self, Control, SWAY_S};
 use pubs_core::joint::{Direction, Path, Pose};
 use pubs_plugin::Reading;
 
@@ -29,8 +29,8 @@ pub struct ControlLoop {
     tap: Option<Tap>,
     path: Option<(Path, Pose)>,
     speed_m_s: f64,
-    /// Sign of the present motion, and the displacement at which it began.
-    turned: Option<(f64, f64)>,
+    /// The speed that has been wanted and reached, and since when.
+    steady: Option<(f64, u64)>,
     last_step_ns: Option<u64>,
     first_step_ns: u64,
 }
@@ -80,7 +80,7 @@ impl ControlLoop {
             tap,
             path: None,
             speed_m_s: 0.0,
-            turned: None,
+            steady: None,
             last_step_ns: None,
             first_step_ns: 0,
         }
@@ -174,8 +174,6 @@ impl ControlLoop {
         };
         *last_pose = pose;
         let path = path.clone();
-        let displacement = path.displacement(&pose);
-        let has_taken_up_the_give = self.has_taken_up_the_give(displacement);
         let index = if order.valid {
             order.action
         } else {
@@ -189,43 +187,37 @@ impl ControlLoop {
         } else {
             self.control.speed(action, force_along_n)
         };
-        let moved_as_asked = !action.is_stop()
-            && is_settled(self.speed_m_s, wanted)
-            && (wanted == 0.0 || has_taken_up_the_give);
+        let (is_stop, sign) = (action.is_stop(), action.sign());
+        let settled = self.is_steady(wanted, now_ns) && !is_stop;
         self.speed_m_s = self.control.ramp(self.speed_m_s, wanted);
         self.guard.command(&path, &pose, self.speed_m_s, now_ns);
 
-        let direction = if action.is_stop() {
-            Direction::Opening
-        } else {
-            Direction::of(action.sign())
-        };
+        // Opening for the stop action, whose sign is 0.
+        let direction = Direction::of(sign);
         let force = pose.orientation * Vector3::from(reading.force_n);
         Sample {
             action: index,
-            displacement,
+            displacement: path.displacement(&pose),
             forces_n: path.frame(&pose, direction).decompose(&force),
-            settled: moved_as_asked,
+            settled,
             speed_m_s: self.speed_m_s,
             demonstration: order.demonstration,
             valid: true,
         }
     }
 
-    /// Whether the tool has come as far since it last turned round as grasp and object give at the
-    /// threshold: before, the force is still on its way from one direction's to the other's.
-    fn has_taken_up_the_give(&mut self, displacement: f64) -> bool {
-        if self.speed_m_s == 0.0 {
+    /// Whether the arm is held at rest, or has moved with the wanted speed for so long that nothing
+    /// sways any more.
+    fn is_steady(&mut self, wanted_m_s: f64, now_ns: u64) -> bool {
+        if !is_settled(self.speed_m_s, wanted_m_s) {
+            self.steady = None;
             return false;
         }
-        let sign = self.speed_m_s.signum();
-        let (known, began) = self.turned.unwrap_or((0.0, displacement));
-        if known != sign {
-            self.turned = Some((sign, displacement));
-            return false;
-        }
-        let give_m = self.control.force_threshold_n / self.control.contact_stiffness_n_per_m;
-        (displacement - began).abs() / self.task.joint.per_metre() >= give_m
+        let known = self
+            .steady
+            .filter(|&(speed_m_s, _)| speed_m_s == wanted_m_s);
+        let (_, since_ns) = *self.steady.insert(known.unwrap_or((wanted_m_s, now_ns)));
+        wanted_m_s == 0.0 || now_ns.saturating_sub(since_ns) as f64 * 1e-9 >= SWAY_S
     }
 
     /// Without a reading the last known pose must do; the guard has tripped.

@@ -8,7 +8,7 @@ use pubs_core::shield::{self, Shield};
 use pubs_core::{Motion, Task};
 use rand::Rng;
 
-use super::Simulator;
+use super::{Simulator, unsteady::Unsteady};
 
 /// How an episode ended by the task's own rules.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,6 +39,7 @@ pub struct Episode {
     filter: Filter,
     goal: f64,
     steps: u32,
+    unsteady: Unsteady,
 }
 
 impl Episode {
@@ -49,6 +50,7 @@ impl Episode {
             filter: Filter::new(&task, model),
             goal: task.joint.lower,
             steps: 0,
+            unsteady: Unsteady::default(),
             task,
         }
     }
@@ -59,6 +61,7 @@ impl Episode {
         self.filter.reset();
         self.goal = goal;
         self.steps = 0;
+        self.unsteady = Unsteady::default();
     }
 
     /// The true state (rad, m or plain).
@@ -129,9 +132,14 @@ impl Episode {
                 stopped: Some(Stopped::Violated),
             });
         }
+        self.unsteady.change_to(&task, index);
         for _ in 0..observations {
             let part = displacement / f64::from(observations);
             let (made, observation) = self.simulator.step(index, action, part, rng)?;
+            if self.unsteady.passes_over(made) {
+                self.filter.follow(made);
+                continue;
+            }
             match self.filter.update(index, made, observation) {
                 Ok(_) => {}
                 Err(BeliefError::Impossible { .. }) => {

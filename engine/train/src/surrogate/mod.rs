@@ -8,6 +8,7 @@ mod draw;
 mod environments;
 mod episode;
 mod simulator;
+mod unsteady;
 
 pub use draw::{draw_goal, draw_start};
 pub use environments::{SurrogateEnvironments, TrainingOptions};

@@ -1,0 +1,204 @@
+//! `pubs-engine plot`: an object's observation model as a picture, with the readings behind it.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use pubs_calibrate::calibration::{all_traces, samples};
+use pubs_calibrate::fit::LEFT_OUT;
+use pubs_calibrate::object_text::{StateUnit, segments_of};
+use pubs_calibrate::plot::{self, Panel, Picture, Sample};
+use pubs_calibrate::traces::Trace;
+use pubs_calibrate::{Channel, Segment, Values};
+use pubs_core::Task;
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::options::ObjectOptions;
+use crate::verbs::calibrate::{self, recordings};
+use crate::{Ended, built_in, exit, object, show};
+
+#[derive(Args)]
+#[command(after_help = "\
+Examples: pubs-engine plot objects/door2.toml
+          pubs-engine plot objects/door2.toml --from recordings/door2-calibration.mcap --out pictures --format svg
+Rows are the channels f_d, f_z, f_n and m_p, columns the actions: recorded readings, segments, mean and ±2 sigma over the joint's range.")]
+pub struct Arguments {
+    #[command(flatten)]
+    object: ObjectOptions,
+    /// Draw the readings of these recordings [default: those of `calibrate`, where they are found]
+    #[arg(long, value_name = "RECORDING", num_args = 1..)]
+    from: Vec<PathBuf>,
+    /// Folder for the pictures
+    #[arg(long, value_name = "DIR", default_value = ".")]
+    out: PathBuf,
+    /// File formats
+    #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Format::Svg, Format::Png])]
+    format: Vec<Format>,
+    /// One JSON object on stdout
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    Svg,
+    Png,
+}
+
+#[derive(Serialize)]
+struct Report {
+    files: Vec<PathBuf>,
+    segments: usize,
+    readings: usize,
+}
+
+/// Pixels of the PNG for each of the sheet's own: 300 dots per inch on A4.
+const PNG_SCALE: f32 = 2.0;
+
+pub fn run(arguments: &Arguments) -> Ended {
+    let layers = &arguments.object.layers;
+    let registry = built_in::registry(&layers.plugin_dirs);
+    let path = &arguments.object.object;
+    let (_, task) = object::without_model(path, &layers.overrides(), &registry)?;
+    let segments = segments_of(&task.observation.table, StateUnit::of(&task.joint))
+        .map_err(|error| Failure::invalid(error.to_string()))?;
+    if segments.is_empty() {
+        return Err(Failure::invalid(format!(
+            "{} has no calibration segments to draw; `pubs-engine calibrate` writes them",
+            path.display()
+        )));
+    }
+    let files = if arguments.from.is_empty() {
+        calibrate::record::found(path, &task.name)
+    } else {
+        arguments.from.clone()
+    };
+    let recordings = recordings::read(&files)?;
+    let (traces, _) = all_traces(&task, &recordings)
+        .map_err(|error| Failure::invalid(error.to_string()))?;
+    let readings = readings(&task, &traces);
+    let subtitle = subtitle(&files, &traces);
+    let sheet = plot::svg(&picture(&task, &segments, &readings, subtitle))
+        .map_err(|error| Failure::fault(&error))?;
+    let report = Report {
+        files: written(arguments, &task.name, &sheet)?,
+        segments: segments.len(),
+        readings: readings.iter().map(|(_, _, samples)| samples.len()).sum(),
+    };
+    if arguments.json {
+        show::print_json(&report)?;
+    } else {
+        for file in &report.files {
+            show::print(&file.display().to_string())?;
+        }
+    }
+    Ok(exit::DONE)
+}
+
+type Readings<'a> = Vec<(&'a str, Channel, Vec<Sample>)>;
+
+/// What was felt, for each panel.
+fn readings<'a>(task: &'a Task, traces: &[Trace]) -> Readings<'a> {
+    let channels = [Channel::Along, Channel::Up, Channel::Normal, Channel::Moves];
+    let moving = task.actions.iter().enumerate().filter(|(_, action)| !action.is_stop());
+    moving
+        .flat_map(|(index, action)| {
+            channels.map(|channel| {
+                let samples = samples(task, traces, index, channel);
+                let samples = samples.into_iter().map(|(state, value, _)| Sample { state, value });
+                (action.name.as_str(), channel, samples.collect())
+            })
+        })
+        .collect()
+}
+
+fn picture<'a>(
+    task: &Task,
+    segments: &'a [Segment],
+    readings: &'a Readings<'a>,
+    subtitle: String,
+) -> Picture<'a> {
+    let panel = |(action, channel, samples): &'a (&'a str, Channel, Vec<Sample>)| {
+        let own: Vec<&Segment> = segments
+            .iter()
+            .filter(|segment| segment.action == *action && segment.channel == *channel)
+            .collect();
+        Panel {
+            action,
+            channel: *channel,
+            left_out: left_out(task, segments, action),
+            segments: own,
+            samples,
+        }
+    };
+    Picture {
+        title: task.name.clone(),
+        subtitle,
+        unit: match StateUnit::of(&task.joint) {
+            StateUnit::Degrees => plot::StateUnit::Degrees,
+            StateUnit::Metres => plot::StateUnit::Centimetres,
+        },
+        limits: [task.joint.lower, task.joint.upper],
+        force_threshold_n: task.control.map(|control| control.force_threshold_n),
+        panels: readings.iter().map(panel).collect(),
+    }
+}
+
+/// The end that high-force demonstrations left out: the last stretch towards the limit ahead, where
+/// m_p says "blocked".
+fn left_out(task: &Task, segments: &[Segment], action: &str) -> Vec<[f64; 2]> {
+    let Some(action) = task.actions.iter().find(|known| known.name == action) else {
+        return Vec::new();
+    };
+    let ahead = if action.sign() > 0.0 { task.joint.upper } else { task.joint.lower };
+    let slack = 1e-6 * task.joint.range();
+    let blocked = |segment: &&Segment| {
+        let Values::Moves { probability } = segment.values else {
+            return false;
+        };
+        let at_limit = (segment.from - ahead).abs() < slack || (segment.to - ahead).abs() < slack;
+        segment.action == action.name && at_limit && probability < 0.5
+    };
+    let noted = |segment: &&Segment| segment.note.as_deref().is_none_or(|note| note == LEFT_OUT);
+    segments
+        .iter()
+        .filter(|_| action.is_high_force())
+        .filter(blocked)
+        .filter(noted)
+        .map(|segment| [segment.from, segment.to])
+        .collect()
+}
+
+fn subtitle(files: &[PathBuf], traces: &[Trace]) -> String {
+    if files.is_empty() {
+        return "segments of the object file; no recording".to_owned();
+    }
+    let names: Vec<String> = files
+        .iter()
+        .filter_map(|file| Some(file.file_name()?.to_string_lossy().into_owned()))
+        .collect();
+    let pulls: BTreeSet<u32> = traces.iter().map(|trace| trace.pull).collect();
+    format!("{} demonstrations of each action from {}", pulls.len(), names.join(", "))
+}
+
+fn written(arguments: &Arguments, name: &str, sheet: &str) -> Result<Vec<PathBuf>, Failure> {
+    let cannot = |path: &PathBuf, error: &std::io::Error| {
+        Failure::invalid(format!("cannot write {}: {error}", path.display()))
+    };
+    std::fs::create_dir_all(&arguments.out).map_err(|error| cannot(&arguments.out, &error))?;
+    let mut files = Vec::new();
+    for format in &arguments.format {
+        let (ending, bytes) = match format {
+            Format::Svg => ("svg", sheet.as_bytes().to_vec()),
+            Format::Png => {
+                let png = plot::png(sheet, PNG_SCALE).map_err(|error| Failure::fault(&error))?;
+                ("png", png)
+            }
+        };
+        let path = arguments.out.join(format!("{name}.{ending}"));
+        std::fs::write(&path, bytes).map_err(|error| cannot(&path, &error))?;
+        files.push(path);
+    }
+    Ok(files)
+}

@@ -72,10 +72,10 @@ fn mean_and_band_stand_where_they_should() {
         force(0.5, 1.0, &[10.0, 4.0], 0.5),
     ];
     let text = svg(&picture(vec![panel(&segments, &[])])).unwrap();
-    // x: 210 at -0.025 to 3448 at 1.025, 3083.81 units per 1.
-    // y: 2325 to 325 over the means, one sigma and 6 % at each end: -1.72 to 11.72, 148.81 per N.
-    let x = |state: f64| (210.0 + (state + 0.025) / 1.05 * 3238.0).round() as i32;
-    let y = |force: f64| (2325.0 - (force + 1.72) / 13.44 * 2000.0).round() as i32;
+    // x: 250 at -0.025 to 3448 at 1.025, 3045.71 units per 1.
+    // y: 2325 to 325 over the band and 6 % at each end: -2.84 to 12.84, 127.55 per N.
+    let x = |state: f64| (250.0 + (state + 0.025) / 1.05 * 3198.0).round() as i32;
+    let y = |force: f64| (2325.0 - (force + 2.84) / 15.68 * 2000.0).round() as i32;
     let means = points(&text, "polyline", "#08306B");
     // The legend's stroke, then the one curve.
     assert_eq!(means.len(), 2, "one mean and its legend: {means:?}");
@@ -88,13 +88,22 @@ fn mean_and_band_stand_where_they_should() {
             [x(1.0), y(4.0)]
         ]
     );
-    assert_eq!(means[1][0], [287, 2069], "by hand");
+    assert_eq!(means[1][0], [326, 1963], "by hand");
     let bands = points(&text, "polygon", "#C6DBEF");
     assert_eq!(bands.len(), 2, "one band and its legend: {bands:?}");
-    let bottom_of_2_sigma = bands[1].last().unwrap();
-    // -2 N is below the frame, so the band runs along it.
-    assert_eq!(*bottom_of_2_sigma, [x(0.0), 2325]);
-    assert!(bands[1].contains(&[x(1.0), y(5.0)]) && bands[1].contains(&[x(1.0), y(3.0)]));
+    assert_eq!(
+        bands[1],
+        [
+            [x(0.0), y(2.0)],
+            [x(0.5), y(12.0)],
+            [x(0.5), y(11.0)],
+            [x(1.0), y(5.0)],
+            [x(1.0), y(3.0)],
+            [x(0.5), y(9.0)],
+            [x(0.5), y(8.0)],
+            [x(0.0), y(-2.0)]
+        ]
+    );
 }
 
 #[test]

@@ -46,10 +46,13 @@ impl Axis {
         let mut ticks = even_ticks(self.from.max(-knee), self.to.min(knee), step);
         let beyond = [1.0, 10.0]
             .into_iter()
-            .flat_map(|power| [1.0, 2.0, 5.0].map(|digit| digit * power * decade(knee)))
+            .flat_map(|power| [1.0, 2.0, 3.0, 5.0].map(|digit| digit * power * decade(knee)))
             .flat_map(|size| [-size, size])
             .filter(|value| value.abs() > knee && self.contains(*value));
-        ticks.extend(beyond.map(|value| (value, label(value, 0))));
+        ticks.extend(beyond.map(|value| (value, String::new())));
+        for (value, text) in &mut ticks {
+            *text = short_label(*value);
+        }
         ticks.sort_by(|a, b| a.0.total_cmp(&b.0));
         ticks
     }
@@ -72,6 +75,12 @@ fn even_ticks(from: f64, to: f64, step: f64) -> Vec<(f64, String)> {
 
 fn label(value: f64, decimals: usize) -> String {
     format!("{value:.decimals$}").replace('-', "\u{2212}")
+}
+
+/// With as few decimals as the value has, three at most.
+fn short_label(value: f64) -> String {
+    let text = label(value, 3);
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 fn decade(value: f64) -> f64 {
@@ -123,13 +132,14 @@ mod tests {
                 9,
                 &[
                     "\u{2212}10",
-                    "\u{2212}5.0",
+                    "\u{2212}5",
                     "\u{2212}2.5",
-                    "0.0",
+                    "0",
                     "2.5",
-                    "5.0",
+                    "5",
                     "10",
                     "20",
+                    "30",
                     "50",
                 ],
             ),

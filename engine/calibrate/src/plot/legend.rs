@@ -57,7 +57,7 @@ fn entries(picture: &Picture) -> Vec<(Sign, String)> {
         entries.push((Sign::Samples, "recorded".to_owned()));
     }
     if panels.iter().any(|panel| !panel.segments.is_empty()) {
-        entries.push((Sign::Mean, "model: mean, or probability of m_p".to_owned()));
+        entries.push((Sign::Mean, "mean (m_p: probability)".to_owned()));
         entries.push((Sign::Band, "\u{b1}2\u{3c3}".to_owned()));
         entries.push((Sign::Boundary, "segment starts".to_owned()));
     }

@@ -69,7 +69,9 @@ pub(super) fn scale(
     let near = NEAR * (limits[1] - limits[0]);
     let inner = limits[0] + near..limits[1] - near;
     let steady = points.iter().filter(|point| inner.contains(&point[0]));
-    let steady = steady.map(|point| point[1].abs()).fold(0.0, f64::max);
+    let steady = steady
+        .map(|point| point[1].abs() + 2.0 * point[2])
+        .fold(0.0, f64::max);
     let reach = from.abs().max(to.abs());
     let knee = (steady > 0.0 && reach > STEEP * steady).then(|| round_below(steady));
     with_margin(from, to, knee)
@@ -183,7 +185,7 @@ mod tests {
         assert_eq!(
             scale.knee,
             Some(5.0),
-            "6 N is the greatest away from the limits"
+            "7 N is the greatest away from the limits"
         );
         assert!(scale.to > 31.0 && scale.from < -1.0, "{scale:?}");
     }

@@ -16,7 +16,7 @@ use super::style::{
 use super::{Panel, Picture, PlotError};
 
 /// Left of the panels: figures and the name of the channel.
-const LEFT: i32 = 210;
+const LEFT: i32 = 250;
 const RIGHT: i32 = SHEET[0] - 60;
 const TITLE_Y: i32 = 75;
 const SUBTITLE_Y: i32 = 142;
@@ -190,11 +190,16 @@ impl Row<'_> {
             upright: true,
             ..lettering(TEXT_SIZE, INK, HPos::Center)
         };
-        let title = match scale.knee {
-            Some(knee) => format!("{} (linear to \u{b1}{knee}, logarithmic beyond)", self.name),
-            None => self.name.to_owned(),
-        };
-        pen.text(&title, [LEFT - 150, (top + bottom) / 2], name)?;
+        let middle = (top + bottom) / 2;
+        pen.text(self.name, [LEFT - 205, middle], name)?;
+        if let Some(knee) = scale.knee {
+            let note = Lettering {
+                size: TICK_SIZE,
+                ..name
+            };
+            let text = format!("logarithmic beyond \u{b1}{knee}");
+            pen.text(&text, [LEFT - 150, middle], note)?;
+        }
         for (tick, label) in &ticks {
             let y = y.at(*tick);
             let figure = lettering(TICK_SIZE, INK, HPos::Right);

@@ -113,7 +113,8 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_inside() {
-        let cases: [(f64, f64, Option<f64>, usize, &[&str]); 6] = [
+        type Case = (f64, f64, Option<f64>, usize, &'static [&'static str]);
+        let cases: [Case; 6] = [
             (-2.5, 127.5, None, 6, &["0", "25", "50", "75", "100", "125"]),
             (-0.6, 28.6, None, 6, &["0", "5", "10", "15", "20", "25"]),
             (-3.0, 17.0, None, 5, &["0", "5", "10", "15"]),

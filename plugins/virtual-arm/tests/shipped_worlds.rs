@@ -129,8 +129,8 @@ fn catch_of_drawer2_holds_15_n_and_lets_go_before_23_n() {
     }
     let held_m = at_15_n.unwrap();
     assert!(
-        held_m < 0.0005,
-        "at 15 N the drawer is still closed, found it {held_m} m open"
+        held_m < 0.0008,
+        "at 15 N the drawer has but left its preload on the stop, found it {held_m} m open"
     );
     assert!(
         (20.0..23.0).contains(&greatest),

@@ -1,5 +1,7 @@
 //! Calibration, §III-C.1: from demonstrations to the calibration segments of an object file.
 
+pub mod changepoints;
 pub mod segment;
+pub mod smoothing;
 
 pub use segment::{Channel, Segment, Values};

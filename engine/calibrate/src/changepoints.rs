@@ -30,10 +30,13 @@ const MOST_BLOCKS: usize = 4000;
 /// outlier drowns the rest.
 const LINEAR_SIGMAS: f64 = 5.0;
 
+/// And none counts as more than this, which stands for some 7,000 σ.
+const LARGEST: f64 = 40.0;
+
 /// No region is shorter: fewer samples say nothing of a variance.
 const SHORTEST_REGION: usize = 10;
 
-/// A spread below this share of the largest value is rounding.
+/// A spread below this share of the level is rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// Why no changes can be looked for.
@@ -52,8 +55,8 @@ pub enum ChangepointError {
 /// Indices where a new region begins, without the first 0, increasing. Regions differ from their
 /// neighbours in standard deviation (by a quarter at least) or in level (by a standard deviation
 /// at least). Scale and offset of the signal do not matter; a constant signal and one shorter
-/// than two regions have no changes. Takes about 0.1 s at most,
-/// however long the signal.
+/// than two regions have no changes. Takes about 0.1 s at most, however
+/// long the signal.
 ///
 /// # Errors
 /// Where a sample is not finite.
@@ -99,15 +102,17 @@ pub fn merge_short(changes: &[usize], n: usize, minimum: usize) -> Vec<usize> {
 /// (x − median) / σ, with σ from the median absolute deviation, or from the mean one where more
 /// than half of the samples are equal; large ones drawn in. None where all are equal.
 fn standardised(signal: &[f64]) -> Option<Vec<f64>> {
-    let largest = signal.iter().fold(0.0f64, |most, x| most.max(x.abs()));
     let level = contrast::median(signal.to_vec())?;
     let deviations: Vec<f64> = signal.iter().map(|x| (x - level).abs()).collect();
     let mean = deviations.iter().sum::<f64>() / deviations.len() as f64;
     let median = contrast::median(deviations)?;
     let sigma = [1.4826 * median, contrast::SIGMA_PER_MEAN_DEVIATION * mean]
         .into_iter()
-        .find(|&sigma| sigma > ROUNDING * largest)?;
-    let drawn_in = |x: &f64| LINEAR_SIGMAS * ((x - level) / (sigma * LINEAR_SIGMAS)).asinh();
+        .find(|&sigma| sigma > ROUNDING * level.abs())?;
+    let drawn_in = |x: &f64| {
+        let large = LINEAR_SIGMAS * ((x - level) / (sigma * LINEAR_SIGMAS)).asinh();
+        large.clamp(-LARGEST, LARGEST)
+    };
     Some(signal.iter().map(drawn_in).collect())
 }
 

@@ -177,6 +177,12 @@ fn regions_of_distinct_variance_are_found() {
             ..PLAIN
         },
         Case {
+            name: "an absurd outlier",
+            regions: LOUD_MIDDLE,
+            change: |i, x| if i == 800 { 1e12 } else { x },
+            ..PLAIN
+        },
+        Case {
             name: "a coarse sensor",
             regions: LOUD_MIDDLE,
             change: |_, x| (x / 0.5).round() * 0.5,

@@ -250,7 +250,9 @@ fn what_the_filter_cannot_do_is_refused() {
 
 #[test]
 fn knots_are_the_points_a_curve_needs() {
-    let cases: &[(&[f64], &[f64], f64, &[usize])] = &[
+    /// Positions, values, tolerance and the knots expected.
+    type Case = (&'static [f64], &'static [f64], f64, &'static [usize]);
+    let cases: &[Case] = &[
         (&[], &[], 0.1, &[]),
         (&[1.0], &[5.0], 0.1, &[0]),
         (&[1.0, 2.0], &[5.0, 6.0], 0.1, &[0, 1]),

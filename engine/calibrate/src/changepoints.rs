@@ -30,8 +30,8 @@ const MOST_BLOCKS: usize = 4000;
 /// outlier drowns the rest.
 const LINEAR_SIGMAS: f64 = 5.0;
 
-/// And none counts as more than this, which stands for some 7,000 σ.
-const LARGEST: f64 = 40.0;
+/// And none counts as more than this, which stands for some 140 σ.
+const LARGEST: f64 = 20.0;
 
 /// No region is shorter: fewer samples say nothing of a variance.
 const SHORTEST_REGION: usize = 10;

@@ -1,6 +1,7 @@
 //! Calibration, §III-C.1: from demonstrations to the calibration segments of an object file.
 
 pub mod changepoints;
+pub mod object_text;
 pub mod segment;
 pub mod smoothing;
 

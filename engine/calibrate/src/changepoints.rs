@@ -5,7 +5,7 @@
 //! walking back along the likeliest runs gives candidates. It takes samples as independent and
 //! normal, which measured forces are not, so single outliers and slow wandering make candidates
 //! too: only those stay that part regions which differ beyond doubt and by an amount that matters
-//! ([`contrast`]).
+//! (`contrast.rs`).
 
 mod contrast;
 mod refine;

@@ -18,10 +18,13 @@ const RANGE_SHARE: f64 = 0.05;
 const SCATTER_M: f64 = 0.003;
 
 /// Exponents that a proposal may name.
-const TEMPERINGS: [f64; 8] = [1.0, 0.7, 0.5, 0.35, 0.25, 0.18, 0.125, 0.06];
+const TEMPERINGS: [f64; 6] = [1.0, 0.7, 0.5, 0.35, 0.25, 0.125];
 
-/// Spacings that a proposal may name beside the stored one, m.
+/// Spacings that a proposal may name, m.
 const SPACINGS_M: [f64; 3] = [0.0, 0.005, 0.02];
+
+/// A proposal comes well inside what is honest, where something does.
+const WELL_INSIDE: std::ops::RangeInclusive<f64> = 0.87..=0.95;
 
 /// Why an object could not be calibrated.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -148,12 +151,7 @@ pub fn calibrate(
 
 /// The honest settings with the least error.
 fn propose(task: &Task, traces: &[Trace]) -> Result<Option<Judgement>, SpreadError> {
-    let stored_m = Settings::of(task).reading_spacing_m;
-    let mut spacings = SPACINGS_M.to_vec();
-    if !spacings.contains(&stored_m) {
-        spacings.push(stored_m);
-    }
-    let settings: Vec<Settings> = spacings
+    let settings: Vec<Settings> = SPACINGS_M
         .iter()
         .flat_map(|&reading_spacing_m| {
             TEMPERINGS.map(|tempering| Settings {
@@ -163,8 +161,15 @@ fn propose(task: &Task, traces: &[Trace]) -> Result<Option<Judgement>, SpreadErr
         })
         .collect();
     let judged = spread::judge(task, traces, &settings)?;
-    let honest = judged.into_iter().filter(Judgement::is_honest);
-    Ok(honest.min_by(|a, b| a.median_error.total_cmp(&b.median_error)))
+    let least = |judged: Vec<Judgement>| {
+        let by_error = |a: &Judgement, b: &Judgement| a.median_error.total_cmp(&b.median_error);
+        judged.into_iter().min_by(by_error)
+    };
+    let (inside, rest): (Vec<_>, Vec<_>) = judged
+        .into_iter()
+        .filter(Judgement::is_honest)
+        .partition(|judgement| WELL_INSIDE.contains(&judgement.coverage));
+    Ok(least(inside).or_else(|| least(rest)))
 }
 
 fn demonstrations(task: &Task, traces: &[Trace]) -> BTreeMap<String, usize> {

@@ -13,6 +13,7 @@
 use crate::changepoints::{ChangepointError, changepoints};
 use crate::grid::{Grid, filled};
 use crate::smoothing::{SmoothingError, knots, savitzky_golay};
+use crate::stored;
 
 /// The coarse shape follows what is wider than this share of the range.
 const COARSE_SHARE: f64 = 0.06;
@@ -60,17 +61,7 @@ pub struct Piece {
 impl Piece {
     /// Mean at a state: linear between positions, constant beyond them.
     pub fn mean_at(&self, state: f64) -> f64 {
-        let after = self.position.partition_point(|&position| position <= state);
-        let last = self.position.len() - 1;
-        match after {
-            0 => self.mean_n[0],
-            after if after > last => self.mean_n[last],
-            after => {
-                let (from, to) = (self.position[after - 1], self.position[after]);
-                let part = (state - from) / (to - from);
-                self.mean_n[after - 1] + part * (self.mean_n[after] - self.mean_n[after - 1])
-            }
-        }
+        stored::at(&self.position, &self.mean_n, state)
     }
 }
 

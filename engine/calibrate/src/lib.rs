@@ -29,7 +29,7 @@ mod segment_model;
 mod smoothing;
 mod source;
 pub mod spread;
-mod stored;
+pub mod stored;
 pub mod survey;
 mod table;
 pub mod traces;

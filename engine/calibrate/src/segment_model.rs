@@ -4,6 +4,7 @@ use pubs_core::belief::{Model, ModelError};
 use pubs_plugin::{Channel as PluginChannel, ChannelKind, Support, Transitions};
 
 use crate::segment::{Channel, Segment, Values};
+use crate::stored;
 
 /// Mean and sigma by action index, channel and state.
 pub struct SegmentModel {
@@ -62,13 +63,7 @@ impl Stretch {
                 position,
                 mean_n,
                 sigma_n,
-            } => {
-                let sigma = match sigma_n.as_slice() {
-                    [sigma] => vec![*sigma; position.len()],
-                    sigmas => sigmas.to_vec(),
-                };
-                (position.clone(), mean_n.clone(), sigma)
-            }
+            } => (position.clone(), mean_n.clone(), sigma_n.clone()),
             Values::Moves { probability } => (vec![segment.from], vec![*probability], vec![1.0]),
         };
         Self {
@@ -80,17 +75,8 @@ impl Stretch {
     }
 
     fn at(&self, state: f64) -> (f64, f64) {
-        let after = self.position.partition_point(|&position| position <= state);
-        let last = self.position.len() - 1;
-        if after == 0 || after > last {
-            let end = if after == 0 { 0 } else { last };
-            return (self.mean[end], self.sigma[end]);
-        }
-        let (from, to) = (self.position[after - 1], self.position[after]);
-        let part = (state - from) / (to - from);
-        let between =
-            |values: &[f64]| values[after - 1] + part * (values[after] - values[after - 1]);
-        (between(&self.mean), between(&self.sigma))
+        let of = |values: &[f64]| stored::at(&self.position, values, state);
+        (of(&self.mean), of(&self.sigma))
     }
 }
 

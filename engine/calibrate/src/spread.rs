@@ -47,6 +47,12 @@ impl Settings {
         reading_spacing_m: 0.0,
     };
 
+    /// The engine's defaults, which an object file that says nothing gets.
+    pub const DEFAULT: Self = Self {
+        tempering: 0.125,
+        reading_spacing_m: 0.005,
+    };
+
     /// Those of a task.
     pub fn of(task: &Task) -> Self {
         Self {

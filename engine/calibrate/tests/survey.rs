@@ -7,12 +7,6 @@ use pubs_calibrate::pulls::{self, Door};
 use pubs_calibrate::spread::Settings;
 use pubs_calibrate::survey::{overall, survey};
 
-/// The shipped defaults of `[belief]`.
-const DEFAULTS: Settings = Settings {
-    tempering: 0.125,
-    reading_spacing_m: 0.005,
-};
-
 /// A file of the measured data; `None`, said aloud, where it is absent.
 fn data(name: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -33,7 +27,7 @@ fn measured_doors_are_covered_honestly_by_the_defaults_and_not_by_independent_re
     let doors = pulls::read(&path).unwrap();
     let pulls: usize = doors.iter().map(|door| door.pulls.len()).sum();
     assert_eq!((doors.len(), pulls), (18, 105));
-    let settings = [Settings::INDEPENDENT, DEFAULTS];
+    let settings = [Settings::INDEPENDENT, Settings::DEFAULT];
     let reports = survey(&doors, &settings).unwrap();
     let [independent, shipped] = <[_; 2]>::try_from(overall(&reports, &settings)).unwrap();
     assert!(
@@ -63,7 +57,7 @@ fn a_log_of_one_pull_is_fitted_and_cannot_be_held_out() {
         let Some(path) = data(name) else { return };
         let doors = pulls::read(&path).unwrap();
         assert_eq!((doors.len(), doors[0].pulls.len()), (1, 1), "{name}");
-        let reports = survey(&doors, &[DEFAULTS]).unwrap();
+        let reports = survey(&doors, &[Settings::DEFAULT]).unwrap();
         assert!(
             reports[0].judgements.is_none(),
             "{name}: one pull cannot be held out"
@@ -157,4 +151,15 @@ fn bad_tables_are_refused_with_their_place() {
             "{name}: {error}"
         );
     }
+}
+
+#[test]
+fn the_defaults_are_those_that_the_engine_ships() {
+    let table: toml::Table = pubs_core::object::DEFAULTS.parse().unwrap();
+    let number = |key: &str| table["belief"][key].as_float().unwrap();
+    assert_eq!(number("tempering"), Settings::DEFAULT.tempering);
+    assert_eq!(
+        number("reading_spacing_m"),
+        Settings::DEFAULT.reading_spacing_m
+    );
 }

@@ -39,6 +39,10 @@ enum Verb {
     Config(verbs::config::Arguments),
     /// Record demonstrations and fit an object's observation model, or check that it still holds
     Calibrate(verbs::calibrate::Arguments),
+    /// Draw an object's observation model and the readings behind it
+    Plot(verbs::plot::Arguments),
+    /// Fit tables of measured doors and judge how honestly they locate a pull
+    Survey(verbs::survey::Arguments),
     /// Train a policy for an object
     Train(verbs::train::Arguments),
     /// Judge a policy by many simulated trials
@@ -54,6 +58,8 @@ fn main() -> ExitCode {
         Verb::Check(arguments) => verbs::check::run(&arguments),
         Verb::Config(arguments) => verbs::config::run(&arguments),
         Verb::Calibrate(arguments) => verbs::calibrate::run(&arguments),
+        Verb::Plot(arguments) => verbs::plot::run(&arguments),
+        Verb::Survey(arguments) => verbs::survey::run(&arguments),
         Verb::Train(arguments) => verbs::train::run(&arguments),
         Verb::Evaluate(arguments) => verbs::evaluate::run(&arguments),
         Verb::Plugins(arguments) => verbs::plugins::run(&arguments),

@@ -75,8 +75,8 @@ pub fn run(arguments: &Arguments) -> Ended {
         arguments.from.clone()
     };
     let recordings = recordings::read(&files)?;
-    let (traces, _) = all_traces(&task, &recordings)
-        .map_err(|error| Failure::invalid(error.to_string()))?;
+    let (traces, _) =
+        all_traces(&task, &recordings).map_err(|error| Failure::invalid(error.to_string()))?;
     let readings = readings(&task, &traces);
     let subtitle = subtitle(&files, &traces);
     let sheet = plot::svg(&picture(&task, &segments, &readings, subtitle))
@@ -101,12 +101,18 @@ type Readings<'a> = Vec<(&'a str, Channel, Vec<Sample>)>;
 /// What was felt, for each panel.
 fn readings<'a>(task: &'a Task, traces: &[Trace]) -> Readings<'a> {
     let channels = [Channel::Along, Channel::Up, Channel::Normal, Channel::Moves];
-    let moving = task.actions.iter().enumerate().filter(|(_, action)| !action.is_stop());
+    let moving = task
+        .actions
+        .iter()
+        .enumerate()
+        .filter(|(_, action)| !action.is_stop());
     moving
         .flat_map(|(index, action)| {
             channels.map(|channel| {
                 let samples = samples(task, traces, index, channel);
-                let samples = samples.into_iter().map(|(state, value, _)| Sample { state, value });
+                let samples = samples
+                    .into_iter()
+                    .map(|(state, value, _)| Sample { state, value });
                 (action.name.as_str(), channel, samples.collect())
             })
         })
@@ -151,7 +157,11 @@ fn left_out(task: &Task, segments: &[Segment], action: &str) -> Vec<[f64; 2]> {
     let Some(action) = task.actions.iter().find(|known| known.name == action) else {
         return Vec::new();
     };
-    let ahead = if action.sign() > 0.0 { task.joint.upper } else { task.joint.lower };
+    let ahead = if action.sign() > 0.0 {
+        task.joint.upper
+    } else {
+        task.joint.lower
+    };
     let slack = 1e-6 * task.joint.range();
     let blocked = |segment: &&Segment| {
         let Values::Moves { probability } = segment.values else {
@@ -179,7 +189,11 @@ fn subtitle(files: &[PathBuf], traces: &[Trace]) -> String {
         .filter_map(|file| Some(file.file_name()?.to_string_lossy().into_owned()))
         .collect();
     let pulls: BTreeSet<u32> = traces.iter().map(|trace| trace.pull).collect();
-    format!("{} demonstrations of each action from {}", pulls.len(), names.join(", "))
+    format!(
+        "{} demonstrations of each action from {}",
+        pulls.len(),
+        names.join(", ")
+    )
 }
 
 fn written(arguments: &Arguments, name: &str, sheet: &str) -> Result<Vec<PathBuf>, Failure> {

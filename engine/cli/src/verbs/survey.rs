@@ -41,12 +41,14 @@ struct Report {
 }
 
 pub fn run(arguments: &Arguments) -> Ended {
-    let defaults = Settings::of_engine();
+    let defaults = Settings::DEFAULT;
     let settings = [
         Settings::INDEPENDENT,
         Settings {
             tempering: arguments.tempering.unwrap_or(defaults.tempering),
-            reading_spacing_m: arguments.reading_spacing_m.unwrap_or(defaults.reading_spacing_m),
+            reading_spacing_m: arguments
+                .reading_spacing_m
+                .unwrap_or(defaults.reading_spacing_m),
         },
     ];
     let allowed = |value: f64| value >= 0.0 && value.is_finite();
@@ -101,11 +103,18 @@ fn text(report: &Report, settings: &[Settings; 2]) -> String {
         );
     }
     let all: Vec<String> = report.overall.iter().map(figures).collect();
-    let windows = report.overall.first().map_or(0, |judgement| judgement.windows);
+    let windows = report
+        .overall
+        .first()
+        .map_or(0, |judgement| judgement.windows);
     text += &format!("all doors ({windows} windows): {}", all.join(" | "));
     text
 }
 
 fn figures(judgement: &Judgement) -> String {
-    format!("{:.2}° {:.0} %", judgement.median_error, 100.0 * judgement.coverage)
+    format!(
+        "{:.2}° {:.0} %",
+        judgement.median_error,
+        100.0 * judgement.coverage
+    )
 }

@@ -1,8 +1,9 @@
 //! `pubs-engine calibrate`: from demonstrations to the segments of an object file.
 
+mod check;
 mod edit;
-mod record;
-mod recordings;
+pub mod record;
+pub mod recordings;
 mod summary;
 
 use std::path::PathBuf;
@@ -86,7 +87,13 @@ pub fn run(arguments: &Arguments) -> Ended {
     } else {
         arguments.from.clone()
     };
+    if let Some(folder) = &arguments.export {
+        return recordings::export(&recorded, folder, arguments.json);
+    }
     let recordings = recordings::checked(arguments, &task, &recorded)?;
+    if arguments.check {
+        return check::check(arguments, &task, &recordings);
+    }
     edit::fit(
         arguments,
         &loaded,

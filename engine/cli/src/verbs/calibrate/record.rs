@@ -21,6 +21,11 @@ use super::Arguments;
 use crate::failure::Failure;
 use crate::{driver, exit, show};
 
+/// How recordings for a model are called, and those that only compare.
+const CALIBRATION: &str = "calibration";
+/// See [`CALIBRATION`].
+const CHECK: &str = "check";
+
 /// How a recording ended.
 pub enum Recorded {
     /// Every demonstration is there, in these files.
@@ -48,11 +53,7 @@ pub fn record(
         .recordings
         .clone()
         .unwrap_or_else(|| folder_of(&arguments.object));
-    let kind = if arguments.check {
-        "check"
-    } else {
-        "calibration"
-    };
+    let kind = if arguments.check { CHECK } else { CALIBRATION };
     let earlier = Earlier::find(arguments, task, &folder, kind)?;
     if earlier.is_whole(task, arguments.demonstrations()) {
         show::say(&format!(
@@ -149,10 +150,7 @@ impl Earlier {
         folder: &Path,
         kind: &str,
     ) -> Result<Self, Failure> {
-        let name = |part: u32| match part {
-            1 => folder.join(format!("{}-{kind}.mcap", task.name)),
-            part => folder.join(format!("{}-{kind}-{part}.mcap", task.name)),
-        };
+        let name = |part: u32| part_of(folder, &task.name, kind, part);
         let parts = (1..).take_while(|&part| name(part).exists()).count() as u32;
         let next = name(parts + 1);
         if !arguments.resume {
@@ -199,8 +197,25 @@ impl Earlier {
     }
 }
 
+/// File of the first recording, and of those that went on with it.
+fn part_of(folder: &Path, object: &str, kind: &str, part: u32) -> PathBuf {
+    match part {
+        1 => folder.join(format!("{object}-{kind}.mcap")),
+        part => folder.join(format!("{object}-{kind}-{part}.mcap")),
+    }
+}
+
+/// The recordings that an object was calibrated with, where they still lie in their usual place.
+pub fn found(object: &Path, name: &str) -> Vec<PathBuf> {
+    let folder = folder_of(object);
+    (1..)
+        .map(|part| part_of(&folder, name, CALIBRATION, part))
+        .take_while(|file| file.exists())
+        .collect()
+}
+
 /// `recordings` beside the folder of an object file.
-pub fn folder_of(object: &Path) -> PathBuf {
+fn folder_of(object: &Path) -> PathBuf {
     crate::policies::sibling_folder(object, "recordings")
 }
 

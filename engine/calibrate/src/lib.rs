@@ -9,7 +9,7 @@
 //! stored model still holds. [`object_text`] edits the object file, [`plot`] draws.
 
 pub mod calibration;
-mod changepoints;
+pub mod changepoints;
 mod column;
 mod contact;
 pub mod csv;
@@ -26,7 +26,7 @@ pub mod pulls;
 pub mod record;
 pub mod segment;
 mod segment_model;
-mod smoothing;
+pub mod smoothing;
 mod source;
 pub mod spread;
 pub mod stored;

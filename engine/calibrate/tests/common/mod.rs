@@ -6,10 +6,12 @@
 )]
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
-use pubs_calibrate::record::{BaselineLimits, Keeper, RecordOptions, RecordReport, record};
+use pubs_calibrate::record::{
+    BaselineLimits, Keeper, RecordError, RecordOptions, RecordReport, record,
+};
 use pubs_core::Task;
 use pubs_core::object::{self, Overrides};
 use pubs_core::task::compile;
@@ -41,51 +43,100 @@ impl Keeper for Kept {
     }
 }
 
-/// Records on the virtual clock.
+/// Keeps what is recorded, and calls halt after so many frames.
+struct Halting {
+    kept: Kept,
+    after: usize,
+    interrupt: Arc<AtomicBool>,
+}
+
+impl Keeper for Halting {
+    fn frame(&mut self, frame: &Frame, sample: &Sample) {
+        self.kept.frame(frame, sample);
+        if self.kept.0.lock().unwrap().0.len() == self.after {
+            self.interrupt.store(true, Ordering::Release);
+        }
+    }
+
+    fn done(&mut self, time_ns: u64, done: Done) {
+        self.kept.done(time_ns, done);
+    }
+}
+
+/// How to record in a test.
+pub struct Plan {
+    pub demonstrations: u32,
+    pub seed: u64,
+    pub done: Vec<Done>,
+    pub halt_after: usize,
+    pub baseline: Option<BaselineLimits>,
+}
+
+impl Plan {
+    pub fn new(demonstrations: u32, seed: u64) -> Self {
+        Self {
+            demonstrations,
+            seed,
+            done: Vec::new(),
+            halt_after: usize::MAX,
+            baseline: None,
+        }
+    }
+
+    /// Records on the virtual clock.
+    pub fn record(self, task: &Arc<Task>) -> Result<(Recording, RecordReport), RecordError> {
+        let registry = Registry::new(
+            &[pubs_segments::table(), pubs_virtual_arm::table()],
+            search_path(&[]),
+        );
+        let driver = task.driver.as_ref().unwrap();
+        let plugin = registry.driver(&driver.plugin).unwrap();
+        let arm = plugin.open(&task.driver_setup(self.seed).unwrap()).unwrap();
+        let control = task.control.unwrap();
+        let kept = Kept::default();
+        let interrupt = Arc::new(AtomicBool::new(false));
+        let keeper = Halting {
+            kept: kept.clone(),
+            after: self.halt_after,
+            interrupt: Arc::clone(&interrupt),
+        };
+        let options = RecordOptions {
+            demonstrations: self.demonstrations,
+            done: self.done,
+            baseline: self.baseline.unwrap_or(BaselineLimits::of(&control)),
+            lockstep: true,
+            interrupt,
+        };
+        let report = record(task, Box::new(arm), Box::new(keeper), &options, &mut |_| {})?;
+        let (frames, done) = std::mem::take(&mut *kept.0.lock().unwrap());
+        let header = Header {
+            format: FORMAT_VERSION,
+            engine: "test".to_owned(),
+            object: task.name.clone(),
+            joint: if task.joint.unit() == "rad" {
+                JointType::Revolute
+            } else {
+                JointType::Prismatic
+            },
+            sensor: "virtual-arm".to_owned(),
+            actions: task
+                .actions
+                .iter()
+                .map(|action| action.name.clone())
+                .collect(),
+            rate_hz: control.rate_hz,
+            seed: self.seed,
+        };
+        let recording = Recording {
+            header,
+            frames,
+            done,
+            loss: None,
+        };
+        Ok((recording, report))
+    }
+}
+
 pub fn recorded(task: &Arc<Task>, demonstrations: u32, seed: u64) -> (Recording, RecordReport) {
-    let registry = Registry::new(
-        &[pubs_segments::table(), pubs_virtual_arm::table()],
-        search_path(&[]),
-    );
-    let driver = task.driver.as_ref().unwrap();
-    let plugin = registry.driver(&driver.plugin).unwrap();
-    let arm = plugin.open(&task.driver_setup(seed).unwrap()).unwrap();
-    let kept = Kept::default();
-    let options = RecordOptions {
-        demonstrations,
-        done: Vec::new(),
-        baseline: BaselineLimits::of(&task.control.unwrap()),
-        lockstep: true,
-        interrupt: Arc::new(AtomicBool::new(false)),
-    };
-    let report = record(
-        task,
-        Box::new(arm),
-        Box::new(kept.clone()),
-        &options,
-        &mut |_| {},
-    )
-    .unwrap();
-    let (frames, done) = std::mem::take(&mut *kept.0.lock().unwrap());
-    let header = Header {
-        format: FORMAT_VERSION,
-        engine: "test".to_owned(),
-        object: task.name.clone(),
-        joint: JointType::Revolute,
-        sensor: "virtual-arm".to_owned(),
-        actions: task
-            .actions
-            .iter()
-            .map(|action| action.name.clone())
-            .collect(),
-        rate_hz: task.control.unwrap().rate_hz,
-        seed,
-    };
-    let recording = Recording {
-        header,
-        frames,
-        done,
-        loss: None,
-    };
-    (recording, report)
+    Plan::new(demonstrations, seed).record(task).unwrap()
 }

@@ -107,7 +107,8 @@ pub struct Drift {
 /// A model holds unless, beyond a doubt of about one in a thousand,
 /// - the offset is above one stored sigma,
 /// - the gain moves a tenth of the readings by more than one sigma,
-/// - the shift is more than a hundredth of the range,
+/// - the shift is more than a hundredth of the range and moves a tenth of the readings by more than
+///   one sigma,
 /// - the mean in a region is off by more than 1.5 sigma,
 /// - the rms residual is above 1.5 sigma, or more than 20 % of readings are beyond 2 sigma,
 /// - or the handle moves in a region more or less often by more than 0.2 (m_p).

@@ -31,6 +31,12 @@ const PLACE_SHARE: f64 = 0.5;
 /// The sigma that the slope of the mean adds is written where it is more than this share.
 const SLOPE_SHARE: f64 = 0.5;
 
+/// The two accounts of the state differ by the give of grasp and stop, once pressing and once after.
+const ACCOUNTS: f64 = 2.0;
+
+/// A region that was found within so many cells of a fixed border is that border.
+const APART: usize = 4;
+
 /// What a left-out end says in the file.
 pub const LEFT_OUT: &str =
     "left out: high-force demonstrations stop short of this limit; treated as blocked";
@@ -271,7 +277,8 @@ impl<'a> ActionReadings<'a> {
         channel: Channel,
         regions: &[usize],
     ) -> Result<Vec<Segment>, FitError> {
-        let pieces = curve::pieces(&self.grid, &self.free_pulls(channel), regions)
+        let cuts = self.cuts(regions);
+        let pieces = curve::pieces(&self.grid, &self.free_pulls(channel), &cuts)
             .map_err(|source| self.failed(channel, source))?;
         let mut segments: Vec<Segment> = pieces
             .iter()
@@ -295,6 +302,31 @@ impl<'a> ActionReadings<'a> {
             segments = with_stretch(segments, self.force_segment(channel, &piece, Some(CONTACT)));
         }
         Ok(segments)
+    }
+
+    /// Where regions end in any case: at a held stretch, and where the give of grasp and stop ends
+    /// near a limit, since within it the free and the folded account of the state differ.
+    fn cuts(&self, regions: &[usize]) -> Vec<usize> {
+        let joint = &self.task.joint;
+        let give = self.task.control.map_or(0.0, |control| {
+            ACCOUNTS * control.force_threshold_n / control.contact_stiffness_n_per_m
+        }) * joint.per_metre();
+        let mut fixed = vec![
+            self.grid.cell(joint.lower + give),
+            self.grid.cell(joint.upper - give) + 1,
+        ];
+        let held = self.held_cells.unwrap_or((0, 0));
+        fixed.extend([held.0, held.1]);
+        let apart = |cell: &usize| fixed.iter().all(|at| at.abs_diff(*cell) >= APART);
+        let inside = |cell: &usize| !(held.0..held.1).contains(cell);
+        let mut cuts: Vec<usize> = regions.iter().copied().filter(apart).collect();
+        cuts.extend(&fixed);
+        cuts.retain(|cell| {
+            *cell > 0 && *cell < self.grid.len() && (inside(cell) || *cell == held.0)
+        });
+        cuts.sort_unstable();
+        cuts.dedup();
+        cuts
     }
 
     fn contact_ends(&self) -> (f64, f64) {

@@ -20,12 +20,18 @@ impl<'a> Stored<'a> {
         &self.0
     }
 
-    /// Distance from the first start to the last end (rad or m).
-    pub fn range(&self) -> f64 {
+    /// The first start and the last end (rad or m).
+    pub fn ends(&self) -> (f64, f64) {
         let (first, last) = (self.0.first(), self.0.last());
         first
             .zip(last)
-            .map_or(0.0, |(first, last)| last.to - first.from)
+            .map_or((0.0, 0.0), |(first, last)| (first.from, last.to))
+    }
+
+    /// Distance from the first start to the last end (rad or m).
+    pub fn range(&self) -> f64 {
+        let (first, last) = self.ends();
+        last - first
     }
 
     /// Mean and sigma, N, at a state (rad or m), eq. (11): linear between positions, constant

@@ -12,7 +12,7 @@ const ASSUMED_BIAS: f64 = 0.5;
 const MATERIAL_OFFSET: f64 = 1.0;
 
 /// A gain matters where it moves this share of the samples by more than one sigma.
-const MATERIAL_GAIN_SHARE: f64 = 0.1;
+const MATERIAL_SHARE: f64 = 0.1;
 
 /// A shift matters above this share of the range.
 const MATERIAL_SHIFT: f64 = 0.01;
@@ -130,17 +130,19 @@ impl Fit<'_> {
 
     /// Whether a gain matters.
     pub(super) fn is_material_gain(&self, gain: &Mean) -> bool {
+        self.moves_many(|state| (gain.value - 1.0) * self.stored.moments(state).0)
+    }
+
+    /// Whether a change of the mean takes more than a tenth of the readings past one sigma.
+    fn moves_many(&self, change: impl Fn(f64) -> f64) -> bool {
+        let samples = self.thinned.samples();
         let (mut moved, mut count) = (0.0, 0.0);
-        for sample in self.thinned.samples() {
-            let (mean, sigma) = self.stored.moments(sample.state);
-            moved += if ((gain.value - 1.0) * mean).abs() > sigma {
-                1.0
-            } else {
-                0.0
-            };
+        for sample in samples {
+            let past = change(sample.state).abs() > self.stored.moments(sample.state).1;
+            moved += if past { 1.0 } else { 0.0 };
             count += 1.0;
         }
-        moved > MATERIAL_GAIN_SHARE * count
+        moved > MATERIAL_SHARE * count
     }
 
     /// The likeliest shift; None where a bias would falsify it.
@@ -158,9 +160,11 @@ impl Fit<'_> {
         Some(Mean::of(&each, vague))
     }
 
-    /// Whether a shift matters.
+    /// Whether a shift matters: along a gentle slope a small bias of the session looks like a long one.
     pub(super) fn is_material_shift(&self, shift: &Mean) -> bool {
-        shift.value.abs() > MATERIAL_SHIFT * self.stored.range()
+        let mean = |state: f64| self.stored.moments(state).0;
+        let moved = |state: f64| mean(state - shift.value) - mean(state);
+        shift.value.abs() > MATERIAL_SHIFT * self.stored.range() && self.moves_many(moved)
     }
 
     /// The mean over all samples, by demonstration, of a function of e/σ.

@@ -65,7 +65,12 @@ fn differing(
     criterion: &Criterion,
     (from, to): (f64, f64),
 ) -> Option<Region> {
-    let inside = |sample: &&Sample| (from..to).contains(&sample.state);
+    // The limits themselves, where a pressing tool leaves the state, belong to the outermost regions.
+    let (first, last) = stored.ends();
+    let inside = |sample: &&Sample| {
+        let after = sample.state >= from || from <= first;
+        after && (sample.state < to || to >= last)
+    };
     let difference = |sample: &Sample| {
         let (mean, sigma) = stored.moments(sample.state);
         (criterion.difference)(sample.value, mean, sigma)

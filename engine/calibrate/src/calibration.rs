@@ -132,7 +132,7 @@ pub fn calibrate(
     let judged = spread::judge(task, &traces, &settings)?;
     let [stored, independent] = <[Judgement; 2]>::try_from(judged)
         .unwrap_or_else(|_| unreachable!("one judgement for each of the settings"));
-    let proposal = if stored.is_honest() {
+    let proposal = if stored.windows == 0 || stored.is_honest() {
         None
     } else {
         propose(task, &traces)?
@@ -201,7 +201,12 @@ fn warnings(task: &Task, limits: &[Limits], stored: &Judgement) -> Vec<String> {
             task.joint.display(scatter)
         ));
     }
-    if !stored.is_honest() {
+    if stored.windows == 0 {
+        warnings.push(
+            "each action was demonstrated once, so none can be held out: nobody knows how honest the belief is; record five"
+                .to_owned(),
+        );
+    } else if !stored.is_honest() {
         let side = if stored.coverage < *HONEST.start() {
             "over-sure: it holds the truth too rarely"
         } else {

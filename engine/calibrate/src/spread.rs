@@ -89,9 +89,9 @@ pub struct Judgement {
     pub settings: Settings,
     /// Windows.
     pub windows: usize,
-    /// Median error, in the unit of the states.
+    /// Median error, in the unit of the states; NaN without any window.
     pub median_error: f64,
-    /// Share of the windows whose interval held the truth.
+    /// Share of the windows whose interval held the truth; NaN without any window.
     pub coverage: f64,
     /// Each window.
     #[serde(skip)]
@@ -108,7 +108,7 @@ impl Judgement {
             settings,
             windows: outcomes.len(),
             median_error: errors.get(errors.len() / 2).copied().unwrap_or(f64::NAN),
-            coverage: covered as f64 / outcomes.len().max(1) as f64,
+            coverage: covered as f64 / outcomes.len() as f64,
             outcomes,
         }
     }
@@ -154,8 +154,13 @@ pub fn judge(
                 .filter(|trace| trace.pull != pull)
                 .cloned()
                 .collect();
+            let readings = match action_readings(task, &others) {
+                // An action that was demonstrated once cannot be held out.
+                Err(FitError::NoReadings(_)) => return Ok(vec![Vec::new(); settings.len()]),
+                readings => readings?,
+            };
             let mut segments = Vec::new();
-            for (action, regions) in action_readings(task, &others)?.iter().zip(&regions) {
+            for (action, regions) in readings.iter().zip(&regions) {
                 segments.extend(action.segments(regions)?);
             }
             let own: Vec<&Trace> = traces

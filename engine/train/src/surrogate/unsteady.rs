@@ -29,7 +29,8 @@ impl Unsteady {
             Motion::Stop => 0.0,
         };
         let unsteady_s = control.unsteady_s(self.speed_m_s, speed_m_s);
-        let updates = (unsteady_s * task.belief.rate_hz).ceil().max(1.0);
+        // The first update that is steady has none before it to compare with.
+        let updates = (unsteady_s * task.belief.rate_hz).ceil() + 1.0;
         *self = Self {
             action: Some(index),
             speed_m_s,

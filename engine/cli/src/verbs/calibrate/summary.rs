@@ -216,6 +216,9 @@ pub fn text(task: &Task, report: &Report) -> String {
 }
 
 fn spread_line(task: &Task, name: &str, judgement: &Judgement) -> String {
+    if judgement.windows == 0 {
+        return format!("  {name:<21}  not judged\n");
+    }
     format!(
         "  {name:<21}  {:>9}  {:>9}  {:>12}  {:.1} % of {} windows\n",
         judgement.settings.tempering,

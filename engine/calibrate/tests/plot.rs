@@ -2,7 +2,11 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
+use pubs_calibrate::object_text;
 use pubs_calibrate::plot::{Panel, Picture, PlotError, Sample, StateUnit, png, svg};
+use pubs_calibrate::stored::Stored;
 use pubs_calibrate::{Channel, Segment, Values};
 use resvg::tiny_skia::Pixmap;
 
@@ -193,61 +197,20 @@ fn png_has_its_size_and_its_letters() {
 
 /// The segments of a shipped object file, in order.
 fn shipped(name: &str) -> (Picture<'static>, Vec<Segment>) {
-    let path = format!("{}/../../objects/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    let file: toml::Table = std::fs::read_to_string(path).unwrap().parse().unwrap();
-    let degrees = file["joint"].get("limits_deg").is_some();
-    let (suffix, unit) = if degrees {
-        ("deg", StateUnit::Degrees)
-    } else {
-        ("m", StateUnit::Centimetres)
+    let task = common::task(name, &[]);
+    let file_unit = object_text::StateUnit::of(&task.joint);
+    let segments = object_text::segments_of(&task.observation.table, file_unit).unwrap();
+    let unit = match file_unit {
+        object_text::StateUnit::Degrees => StateUnit::Degrees,
+        object_text::StateUnit::Metres => StateUnit::Centimetres,
     };
-    let si = |value: &toml::Value| {
-        let value = value.as_float().unwrap();
-        if degrees { value.to_radians() } else { value }
-    };
-    let list = |value: &toml::Value| value.as_array().unwrap().clone();
-    let limits: Vec<_> = list(&file["joint"][&format!("limits_{suffix}")])
-        .iter()
-        .map(si)
-        .collect();
-    let segments = list(&file["observation"]["segment"])
-        .iter()
-        .map(|table| Segment {
-            action: table["action"].as_str().unwrap().to_owned(),
-            channel: match table["channel"].as_str().unwrap() {
-                "f_d" => Channel::Along,
-                "f_z" => Channel::Up,
-                "f_n" => Channel::Normal,
-                _ => Channel::Moves,
-            },
-            from: si(&table[&format!("from_{suffix}")]),
-            to: si(&table[&format!("to_{suffix}")]),
-            values: match table.get("probability") {
-                Some(probability) => Values::Moves {
-                    probability: probability.as_float().unwrap(),
-                },
-                None => Values::Force {
-                    position: list(&table[&format!("position_{suffix}")])
-                        .iter()
-                        .map(si)
-                        .collect(),
-                    mean_n: list(&table["mean_n"])
-                        .iter()
-                        .map(|mean| mean.as_float().unwrap())
-                        .collect(),
-                    sigma_n: vec![table["sigma_n"].as_float().unwrap()],
-                },
-            },
-            note: None,
-        })
-        .collect();
     let picture = Picture {
         title: format!("{name}: observation model and demonstrations"),
         subtitle: "Samples drawn from the model for this test, 20 demonstrations of each action"
             .to_owned(),
         unit,
-        limits: [limits[0], limits[1]],
-        force_threshold_n: file["control"]["force_threshold_n"].as_float(),
+        limits: [task.joint.lower, task.joint.upper],
+        force_threshold_n: task.control.map(|control| control.force_threshold_n),
         panels: Vec::new(),
     };
     (picture, segments)
@@ -262,23 +225,13 @@ fn samples(segments: &[&Segment], limits: [f64; 2]) -> Vec<Sample> {
     (0..4000)
         .filter_map(|index| {
             let state = limits[0] + (limits[1] - limits[0]) * (index % 1000) as f64 / 999.0;
-            let segment = segments.iter().find(|segment| segment.to >= state)?;
-            let value = match &segment.values {
-                Values::Moves { probability } => f64::from(noise(index).abs() % 1.0 < *probability),
-                Values::Force {
-                    position,
-                    mean_n,
-                    sigma_n,
-                } => {
-                    let after = position
-                        .partition_point(|&at| at < state)
-                        .clamp(1, position.len() - 1);
-                    let part =
-                        (state - position[after - 1]) / (position[after] - position[after - 1]);
-                    mean_n[after - 1]
-                        + part * (mean_n[after] - mean_n[after - 1])
-                        + noise(index) * sigma_n[0]
-                }
+            let first = segments.first()?;
+            let own: Vec<Segment> = segments.iter().map(|&segment| segment.clone()).collect();
+            let (mean, sigma) = Stored::of(&own, &first.action, first.channel)?.moments(state);
+            let value = if first.channel == Channel::Moves {
+                f64::from(noise(index).abs() % 1.0 < mean)
+            } else {
+                mean + noise(index) * sigma
             };
             Some(Sample { state, value })
         })

@@ -50,10 +50,7 @@ fn measured_doors_are_covered_honestly_by_the_defaults_and_not_by_independent_re
 
 #[test]
 fn a_log_of_one_pull_is_fitted_and_cannot_be_held_out() {
-    for (name, peak_n) in [
-        ("pr2_ikea_cabinet_log.csv", 8.0..12.0),
-        ("pr2_lab_cabinet_log.csv", 7.5..12.0),
-    ] {
+    for name in ["pr2_ikea_cabinet_log.csv", "pr2_lab_cabinet_log.csv"] {
         let Some(path) = data(name) else { return };
         let doors = pulls::read(&path).unwrap();
         assert_eq!((doors.len(), doors[0].pulls.len()), (1, 1), "{name}");
@@ -62,9 +59,16 @@ fn a_log_of_one_pull_is_fitted_and_cannot_be_held_out() {
             reports[0].judgements.is_none(),
             "{name}: one pull cannot be held out"
         );
+        let felt = doors[0].pulls[0]
+            .force_n
+            .iter()
+            .copied()
+            .fold(0.0, f64::max);
+        let share = reports[0].peak_n / felt;
+        // The lab cabinet's catch is a bump of two degrees: the smoothed mean keeps most of it.
         assert!(
-            peak_n.contains(&reports[0].peak_n),
-            "{name}: the peak is {:.1} N",
+            (0.7..1.0).contains(&share),
+            "{name}: the peak is {:.1} N, up to {felt:.1} N were felt",
             reports[0].peak_n
         );
     }
@@ -134,12 +138,12 @@ fn bad_tables_are_refused_with_their_place() {
         (
             "nan.csv",
             "mechanism,agent,pull,angle_deg,tangential_force_n\nd,a,0,0,1.0\nd,a,0,1,NaN\n",
-            "line 3, column `tangential_force_n`: `NaN`",
+            "line 3, column tangential_force_n: found `NaN`",
         ),
         (
             "word.csv",
             "angle_deg_fit,f_list_ati_tangential_N\n0.0,1.0\nx,2.0\n",
-            "line 3, column `angle_deg_fit`: `x`",
+            "line 3, column angle_deg_fit: found `x`",
         ),
     ];
     for (name, text, words) in cases {

@@ -185,7 +185,8 @@ fn ramps_are_bounded() {
         (0.0, 0.15, 0.01),
         (0.145, 0.15, 0.15),
         (0.15, 0.0, 0.10),
-        (0.15, 0.05, 0.10),
+        // Slowing down to go on, by the acceleration.
+        (0.15, 0.05, 0.14),
         (0.02, 0.0, 0.0),
         (0.05, -0.05, 0.0),
         (0.15, -0.05, 0.10),
@@ -197,6 +198,20 @@ fn ramps_are_bounded() {
         assert!(
             (found - expected).abs() < 1e-12,
             "{speed} towards {target}: {found}, expected {expected}"
+        );
+    }
+    // From 0.05 to rest at 5 m/s², on to 0.15 the other way at 1 m/s², and 0.1 s of sway.
+    let unsteady = [
+        (0.0, 0.0, 0.0),
+        (0.0, 0.15, 0.25),
+        (0.15, 0.05, 0.20),
+        (0.05, -0.15, 0.26),
+    ];
+    for (speed, target, expected) in unsteady {
+        let found = control.unsteady_s(speed, target);
+        assert!(
+            (found - expected).abs() < 1e-12,
+            "{speed} to {target} is unsteady for {found} s, expected {expected}"
         );
     }
     // 5000 · (0.15 · 0.02 + 0.15²/10) = 15 + 11.25

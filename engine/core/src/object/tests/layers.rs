@@ -120,7 +120,7 @@ fn faults_of_overrides_name_what_was_typed() {
 }
 
 #[test]
-fn the_defaults_are_those_of_the_design() {
+fn the_defaults_are_those_that_are_documented() {
     let object = load(DOOR).unwrap().file;
     let control = object.control.unwrap();
     assert_eq!(
@@ -141,7 +141,7 @@ fn the_defaults_are_those_of_the_design() {
     assert_eq!(object.belief.rate_hz, Some(30.0));
     assert_eq!(
         (object.belief.tempering, object.belief.reading_spacing_m),
-        (1.0, 0.0)
+        (0.125, 0.005)
     );
     assert_eq!(
         (object.policy.rate_hz, object.policy.layers),

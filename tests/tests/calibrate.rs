@@ -318,7 +318,7 @@ fn an_interrupted_recording_comes_to_rest_is_kept_and_resumed() {
         &["--resume", "--demonstrations", "1", "--lockstep"],
     )
     .assert_code(0)
-    .assert_says(&["drawer1-calibration-2.mcap", "safe_open 1"]);
+    .assert_says(&["drawer1-calibration-2.mcap", "high_open 1"]);
 }
 
 #[test]

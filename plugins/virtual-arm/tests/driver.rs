@@ -300,7 +300,7 @@ fn misuse_is_refused_in_words() {
 fn faulty_params_are_named() {
     let cases = [
         (json!({}), "missing field `world`"),
-        (json!({ "world": "door3" }), "built in: door2"),
+        (json!({ "world": "door3" }), "built in: door1, door2"),
         (
             json!({ "world": "/nowhere/door.toml" }),
             "/nowhere/door.toml cannot be read",

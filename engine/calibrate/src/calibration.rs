@@ -173,12 +173,7 @@ fn propose(task: &Task, traces: &[Trace]) -> Result<Option<Judgement>, SpreadErr
 }
 
 fn demonstrations(task: &Task, traces: &[Trace]) -> BTreeMap<String, usize> {
-    let moving = task
-        .actions
-        .iter()
-        .enumerate()
-        .filter(|(_, action)| !action.is_stop());
-    moving
+    task.movements()
         .map(|(index, action)| {
             let mut pulls: Vec<u32> = traces
                 .iter()

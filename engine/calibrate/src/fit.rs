@@ -113,12 +113,7 @@ pub fn action_readings<'a>(
     task: &'a Task,
     traces: &'a [Trace],
 ) -> Result<Vec<ActionReadings<'a>>, FitError> {
-    let moving = task
-        .actions
-        .iter()
-        .enumerate()
-        .filter(|(_, action)| !action.is_stop());
-    moving
+    task.movements()
         .map(|(index, action)| {
             let own: Vec<&Trace> = traces
                 .iter()

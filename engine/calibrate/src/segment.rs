@@ -24,6 +24,9 @@ impl Channel {
     /// The three forces, in the order in which they are told apart.
     pub const FORCES: [Self; 3] = [Self::Along, Self::Up, Self::Normal];
 
+    /// All of them, forces first.
+    pub const ALL: [Self; 4] = [Self::Along, Self::Up, Self::Normal, Self::Moves];
+
     /// Its name in files.
     pub fn name(self) -> &'static str {
         match self {

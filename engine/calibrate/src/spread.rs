@@ -200,7 +200,7 @@ fn follow(
         .iter()
         .map(|action| action.name.clone())
         .collect();
-    let channels = [Channel::Along, Channel::Up, Channel::Normal, Channel::Moves];
+    let channels = Channel::ALL;
     let model = SegmentModel::new(&names, &channels, segments);
     let mut filter = Filter::new(&task, Arc::new(model));
     let lag = task.control.map_or(1, |control| {

@@ -44,7 +44,7 @@ fn segment(table: &Value, unit: StateUnit) -> Result<Segment, String> {
             .ok_or_else(|| format!("`{key}` is missing"))
     };
     let channel = text("channel")?;
-    let channel = [Channel::Along, Channel::Up, Channel::Normal, Channel::Moves]
+    let channel = Channel::ALL
         .into_iter()
         .find(|known| known.name() == channel)
         .ok_or_else(|| format!("channel `{channel}` is not one of an arm"))?;

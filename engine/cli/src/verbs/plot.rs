@@ -100,15 +100,9 @@ type Readings<'a> = Vec<(&'a str, Channel, Vec<Sample>)>;
 
 /// What was felt, for each panel.
 fn readings<'a>(task: &'a Task, traces: &[Trace]) -> Readings<'a> {
-    let channels = [Channel::Along, Channel::Up, Channel::Normal, Channel::Moves];
-    let moving = task
-        .actions
-        .iter()
-        .enumerate()
-        .filter(|(_, action)| !action.is_stop());
-    moving
+    task.movements()
         .flat_map(|(index, action)| {
-            channels.map(|channel| {
+            Channel::ALL.map(|channel| {
                 let samples = samples(task, traces, index, channel);
                 let samples = samples
                     .into_iter()

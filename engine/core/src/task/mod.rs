@@ -88,6 +88,12 @@ impl Task {
             .unwrap_or(1)
     }
 
+    /// The actions that move, with their indices.
+    pub fn movements(&self) -> impl Iterator<Item = (usize, &Action)> {
+        let all = self.actions.iter().enumerate();
+        all.filter(|(_, action)| !action.is_stop())
+    }
+
     /// What an observation-model plugin is created with.
     pub fn model_setup(&self, seed: u64) -> setup::ModelSetup {
         setup::ModelSetup {

@@ -76,16 +76,10 @@ fn channels(
     unit: StateUnit,
     samples: impl Fn(usize, Channel) -> Vec<Sample>,
 ) -> Vec<Drift> {
-    let all = [Channel::Along, Channel::Up, Channel::Normal, Channel::Moves];
-    let moving = task
-        .actions
-        .iter()
-        .enumerate()
-        .filter(|(_, action)| !action.is_stop());
-    moving
+    task.movements()
         .flat_map(|(index, action)| {
             let samples = &samples;
-            all.map(move |channel| {
+            Channel::ALL.map(move |channel| {
                 drift(
                     stored,
                     &action.name,

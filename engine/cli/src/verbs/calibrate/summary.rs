@@ -79,11 +79,9 @@ pub fn report(
 }
 
 fn channels(task: &Task, segments: &[Segment]) -> Vec<ChannelReport> {
-    let all = [Channel::Along, Channel::Up, Channel::Normal, Channel::Moves];
-    let moving = task.actions.iter().filter(|action| !action.is_stop());
-    moving
-        .flat_map(|action| {
-            all.map(|channel| {
+    task.movements()
+        .flat_map(|(_, action)| {
+            Channel::ALL.map(|channel| {
                 let own: Vec<&Segment> = segments
                     .iter()
                     .filter(|segment| segment.action == action.name && segment.channel == channel)

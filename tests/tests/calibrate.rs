@@ -305,7 +305,9 @@ fn an_interrupted_recording_comes_to_rest_is_kept_and_resumed() {
     let answer = Answer::from_output("interrupted".to_owned(), child.wait_with_output().unwrap());
     answer
         .assert_code(4)
-        .assert_says(&["stopped: interrupted", "--resume"]);
+        // On a machine too busy for real time the guard may be the one who stops first; what follows is
+        // the same. That an interruption is told as one is tested on the virtual clock.
+        .assert_says(&["stopped: ", "what was recorded is kept", "--resume"]);
     assert!(recording(folder, "drawer1").exists());
     calibrate(
         folder,

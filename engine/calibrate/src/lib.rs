@@ -21,6 +21,7 @@ pub mod fit;
 mod grid;
 mod motion;
 pub mod object_text;
+mod overlay;
 pub mod plot;
 pub mod pulls;
 pub mod record;

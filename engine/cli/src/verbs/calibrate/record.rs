@@ -80,7 +80,11 @@ pub fn record(
     } else {
         Recorder::queued(writer).map_err(|error| Failure::fault(&error))?
     };
-    let kept = Kept(Arc::new(Mutex::new(Some(recorder))));
+    let interrupt = interrupt()?;
+    let kept = Kept {
+        recorder: Arc::new(Mutex::new(Some(recorder))),
+        interrupt: Arc::clone(&interrupt),
+    };
     let usual = BaselineLimits::of(&control);
     let options = RecordOptions {
         demonstrations: arguments.demonstrations(),
@@ -90,7 +94,7 @@ pub fn record(
             noise_n: arguments.baseline_noise_n.unwrap_or(usual.noise_n),
         },
         lockstep: arguments.driver.lockstep,
-        interrupt: interrupt()?,
+        interrupt,
     };
     let bar = status_line();
     let mut watch = |status: &RecordStatus| bar.set_message(status_text(task, &options, status));
@@ -241,18 +245,25 @@ fn header(arguments: &Arguments, task: &Task, arm: &DriverInstance) -> Header {
 
 /// The recorder, shared with the controller's thread until the arm rests.
 #[derive(Clone)]
-struct Kept(Arc<Mutex<Option<Recorder>>>);
+struct Kept {
+    recorder: Arc<Mutex<Option<Recorder>>>,
+    /// Calls the arm off where nothing more reaches the file.
+    interrupt: Arc<AtomicBool>,
+}
 
 impl Kept {
     fn with(&self, act: impl FnOnce(&mut Recorder)) {
-        let mut recorder = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut recorder = self.recorder.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(recorder) = recorder.as_mut() {
             act(recorder);
         }
     }
 
     fn take(&self) -> Option<Recorder> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+        self.recorder
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take()
     }
 }
 
@@ -262,7 +273,13 @@ impl Keeper for Kept {
             displacement: sample.displacement,
             forces_n: sample.forces_n,
         };
-        self.with(|recorder| recorder.frame(frame, Some(&observation)));
+        let interrupt = Arc::clone(&self.interrupt);
+        self.with(|recorder| {
+            recorder.frame(frame, Some(&observation));
+            if recorder.has_failed() {
+                interrupt.store(true, Ordering::Release);
+            }
+        });
     }
 
     fn done(&mut self, time_ns: u64, done: Done) {

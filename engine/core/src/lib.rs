@@ -13,6 +13,7 @@ pub mod action;
 pub mod belief;
 pub mod controller;
 pub mod goal;
+pub mod input;
 pub mod joint;
 pub mod object;
 pub mod observation;
@@ -24,5 +25,6 @@ pub mod vector;
 
 pub use action::{Action, Mode, Motion};
 pub use goal::Goal;
+pub use input::Input;
 pub use joint::{Joint, JointKind};
 pub use task::Task;

@@ -1,8 +1,10 @@
 //! The task: an object file, compiled.
 
 mod compile;
+mod frequency;
 
 pub use compile::{MissingKey, compile};
+pub use frequency::FrequencyError;
 
 use pubs_plugin::setup;
 use serde_json::{Value, json};

@@ -2,20 +2,22 @@
 
 use std::sync::Arc;
 
-use pubs_core::Task;
 use pubs_core::belief::{BeliefError, Model};
 use pubs_core::shield::Shield;
+use pubs_core::{Input, Task};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::{Episode, Goals, Stopped, draw_goal, draw_start};
+use super::{Episode, Goals, Senses, Stopped, draw_goal, draw_start};
 use crate::environment::{End, Environments, StepOutcome};
 
 /// How episodes are drawn while training.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct TrainingOptions {
     /// Which goals.
     pub goals: Goals,
+    /// What the policy reads.
+    pub inputs: Arc<[Input]>,
     /// Copies stepped together.
     pub count: usize,
     /// Episodes start at a limit until so many have ended in the goal region.
@@ -41,18 +43,20 @@ pub struct SurrogateEnvironments {
 impl SurrogateEnvironments {
     /// Episodes begun.
     pub fn new(task: Arc<Task>, model: &Arc<dyn Model>, options: TrainingOptions) -> Self {
+        let senses = Senses::new(Arc::clone(&options.inputs), options.shield.is_some());
         let episodes = (0..options.count)
-            .map(|_| Episode::new(Arc::clone(&task), Arc::clone(model)))
+            .map(|_| Episode::new(Arc::clone(&task), Arc::clone(model), senses.clone()))
             .collect();
+        let count = options.count;
         let mut environments = Self {
             task,
-            options,
             episodes,
             rng: Xoshiro256PlusPlus::seed_from_u64(options.seed),
             successes: 0,
-            last_features: vec![0.0; options.count * options.goals.features()],
+            last_features: vec![0.0; count * options.inputs.len()],
+            options,
         };
-        for index in 0..options.count {
+        for index in 0..count {
             environments.begin(index);
         }
         environments
@@ -82,7 +86,7 @@ impl Environments for SurrogateEnvironments {
     }
 
     fn features(&self) -> usize {
-        self.options.goals.features()
+        self.options.inputs.len()
     }
 
     fn actions(&self) -> usize {

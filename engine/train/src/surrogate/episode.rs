@@ -2,13 +2,21 @@
 
 use std::sync::Arc;
 
-use pubs_core::belief::{BeliefError, Filter, Model};
+use pubs_core::belief::{BeliefError, Filter, Model, Summary};
+use pubs_core::input::Seen;
 use pubs_core::reward::violates_safety;
 use pubs_core::shield::{self, Shield};
-use pubs_core::{Motion, Task};
-use rand::Rng;
+use pubs_core::{Action, Motion, Task};
+use rand::{Rng, RngExt};
 
-use super::{Simulator, unsteady::Unsteady};
+use super::{Senses, Simulator, unsteady::Unsteady};
+
+/// What a belief that knows nothing looks like; inputs of the belief are never asked for where no
+/// filter follows.
+const NOTHING_KNOWN: Summary = Summary {
+    mean: 0.0,
+    entropy: 1.0,
+};
 
 /// How an episode ended by the task's own rules.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,25 +40,31 @@ pub struct Step {
     pub stopped: Option<Stopped>,
 }
 
-/// A true state, a goal, and the belief that follows.
+/// A true state, a goal, and what is felt and believed of it.
 pub struct Episode {
     task: Arc<Task>,
+    senses: Senses,
     simulator: Simulator,
-    filter: Filter,
+    filter: Option<Filter>,
     goal: f64,
     steps: u32,
     unsteady: Unsteady,
+    readings: Vec<f32>,
+    random_entropy: f32,
 }
 
 impl Episode {
     /// An episode to be [`begun`](Self::begin).
-    pub fn new(task: Arc<Task>, model: Arc<dyn Model>) -> Self {
+    pub fn new(task: Arc<Task>, model: Arc<dyn Model>, senses: Senses) -> Self {
         Self {
             simulator: Simulator::new(&task, Arc::clone(&model)),
-            filter: Filter::new(&task, model),
+            readings: vec![0.0; model.channels().len()],
+            filter: senses.belief.then(|| Filter::new(&task, model)),
             goal: task.joint.lower,
             steps: 0,
             unsteady: Unsteady::default(),
+            random_entropy: 0.0,
+            senses,
             task,
         }
     }
@@ -58,10 +72,14 @@ impl Episode {
     /// Begins anew at a true state with a belief that knows nothing.
     pub fn begin(&mut self, state: f64, goal: f64, rng: &mut impl Rng) {
         self.simulator.place(state, rng);
-        self.filter.reset();
+        if let Some(filter) = &mut self.filter {
+            filter.reset();
+        }
         self.goal = goal;
         self.steps = 0;
         self.unsteady = Unsteady::default();
+        self.readings.fill(0.0);
+        self.draw_entropy(rng);
     }
 
     /// The true state (rad, m or plain).
@@ -79,25 +97,34 @@ impl Episode {
         self.steps
     }
 
-    /// The belief.
-    pub fn belief(&self) -> &Filter {
-        &self.filter
+    /// The belief, where a filter follows.
+    pub fn belief(&self) -> Option<&Filter> {
+        self.filter.as_ref()
     }
 
-    /// Mean, entropy and, where `features` has room for three, mean − goal.
+    /// The newest reading of each channel that counts, `[C]`, 0 before the first: those that the
+    /// belief would be updated with.
+    pub fn readings(&self) -> &[f32] {
+        &self.readings
+    }
+
+    /// The policy's inputs, in order.
     pub fn features(&self, features: &mut [f32]) {
-        let summary = self.filter.summary();
-        let all = [
-            summary.mean as f32,
-            summary.entropy as f32,
-            (summary.mean - self.goal) as f32,
-        ];
-        features.copy_from_slice(&all[..features.len()]);
+        let seen = Seen {
+            summary: self.filter.as_ref().map_or(NOTHING_KNOWN, Filter::summary),
+            goal: self.goal,
+            readings: &self.readings,
+            random_entropy: self.random_entropy,
+        };
+        seen.fill(&self.senses.inputs, features);
     }
 
-    /// Which actions a shield allows.
+    /// Which actions a shield allows; without a belief, all.
     pub fn allowed(&self, shield: Option<&Shield>, allowed: &mut [bool]) {
-        shield::allowed(shield, &self.task, &self.filter, allowed);
+        match &self.filter {
+            Some(filter) => shield::allowed(shield, &self.task, filter, allowed),
+            None => allowed.fill(true),
+        }
     }
 
     /// One policy step, eq. (1).
@@ -106,6 +133,7 @@ impl Episode {
     /// Where the filter or the model fails.
     pub fn step(&mut self, index: usize, rng: &mut impl Rng) -> Result<Step, BeliefError> {
         self.steps += 1;
+        self.draw_entropy(rng);
         let task = Arc::clone(&self.task);
         let (reward, action) = (&task.reward, &task.actions[index]);
         let Motion::Move {
@@ -135,13 +163,8 @@ impl Episode {
         self.unsteady.change_to(&task, index);
         for _ in 0..observations {
             let part = displacement / f64::from(observations);
-            let (made, observation) = self.simulator.step(index, action, part, rng)?;
-            if self.unsteady.passes_over(made) {
-                self.filter.follow(made);
-                continue;
-            }
-            match self.filter.update(index, made, observation) {
-                Ok(_) => {}
+            match self.follow(index, action, part, rng) {
+                Ok(()) => {}
                 Err(BeliefError::Impossible { .. }) => {
                     let reward = reward.failed_stop + reward.time;
                     return Ok(Step {
@@ -156,5 +179,35 @@ impl Episode {
             reward: reward.time,
             stopped: None,
         })
+    }
+
+    /// Carries out a part of an action, feels, and lets the belief follow.
+    fn follow(
+        &mut self,
+        index: usize,
+        action: &Action,
+        displacement: f64,
+        rng: &mut impl Rng,
+    ) -> Result<(), BeliefError> {
+        let (made, observation) = self.simulator.step(index, action, displacement, rng)?;
+        let counts = !self.unsteady.passes_over(made);
+        if counts {
+            self.readings.copy_from_slice(observation);
+        }
+        match &mut self.filter {
+            None => {}
+            Some(filter) if counts => {
+                filter.update(index, made, observation)?;
+            }
+            Some(filter) => filter.follow(made),
+        }
+        Ok(())
+    }
+
+    /// Draws only where somebody reads it, so that the other streams stay as they are.
+    fn draw_entropy(&mut self, rng: &mut impl Rng) {
+        if self.senses.draws() {
+            self.random_entropy = rng.random();
+        }
     }
 }

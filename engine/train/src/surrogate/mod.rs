@@ -7,12 +7,14 @@
 mod draw;
 mod environments;
 mod episode;
+mod senses;
 mod simulator;
 mod unsteady;
 
 pub use draw::{draw_goal, draw_start};
 pub use environments::{SurrogateEnvironments, TrainingOptions};
 pub use episode::{Episode, Step, Stopped};
+pub use senses::Senses;
 pub use simulator::Simulator;
 
 /// Which goals a policy is made for.
@@ -20,16 +22,6 @@ pub use simulator::Simulator;
 pub enum Goals {
     /// One goal state (rad, m or plain), as in the paper.
     One(f64),
-    /// Every goal of the range; mean − goal is among the policy's inputs.
+    /// Every goal of the range; it is among the policy's inputs.
     Every,
-}
-
-impl Goals {
-    /// Numbers in an observation of the policy: mean, entropy, and for every goal mean − goal.
-    pub fn features(self) -> usize {
-        match self {
-            Self::One(_) => 2,
-            Self::Every => 3,
-        }
-    }
 }

@@ -20,13 +20,15 @@ pub struct Ready {
     pub model: Arc<dyn Model>,
 }
 
-/// Loads an object file and creates its model.
+/// Loads an object file and creates its model; with a `belief_frequency`, that many filter updates
+/// per policy step instead of the file's.
 ///
 /// # Errors
-/// Every fault of the file, or a plugin that does not fit.
+/// Every fault of the file, a plugin that does not fit, or a frequency that does not.
 pub fn ready(
     path: &Path,
     overrides: &Overrides,
+    belief_frequency: Option<u32>,
     registry: &Registry,
     seed: u64,
 ) -> Result<Ready, Failure> {
@@ -36,6 +38,12 @@ pub fn ready(
     if !faults.is_empty() {
         return Err(Failure::Faults(Faults(faults)));
     }
+    let task = match belief_frequency {
+        None => task,
+        Some(times) => task
+            .with_belief_frequency(times)
+            .map_err(|error| Failure::invalid(error.to_string()))?,
+    };
     let plugin = registry.observation_model(&task.observation.model)?;
     let model = match plugin.create(&task.model_setup(stream(seed, "model"))) {
         Ok(model) => model,

@@ -36,6 +36,15 @@ impl LayerOptions {
     }
 }
 
+/// How often the belief is updated.
+#[derive(Args)]
+pub struct FrequencyOptions {
+    /// Update the belief so many times per policy step; on abstract objects during large moves
+    /// [default: as the object file says]
+    #[arg(long, value_name = "TIMES", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub belief_frequency: Option<u32>,
+}
+
 /// What runs policies.
 #[derive(Args)]
 pub struct RuntimeOptions {

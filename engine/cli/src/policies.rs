@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use pubs_core::Task;
-use pubs_evaluate::{TrainingPlan, expected_of};
+use pubs_evaluate::{EntropyInput, Method, TrainingPlan, expected_of};
 use pubs_policy::{Existing, FeatureName, PolicyFile, Runtime, task_hash};
 use pubs_train::Recipe;
 use pubs_train::surrogate::Goals;
@@ -101,6 +101,8 @@ pub fn found_or_trained(
         ))
     })?;
     let plan = TrainingPlan {
+        method: Method::Pubs,
+        entropy: EntropyInput::Belief,
         recipe: Recipe::standard(),
         goals: Goals::Every,
         seeds: (1..=SEEDS).collect(),

@@ -10,23 +10,28 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use pubs_core::belief::{BeliefError, Model};
+use pubs_core::Task;
+use pubs_core::belief::Model;
 use pubs_core::seed::stream;
 use pubs_core::shield::Shield;
-use pubs_core::{Joint, Task};
-use pubs_policy::{Contract, ExportError, Network, Runtime};
-use pubs_train::surrogate::{Goals, SurrogateEnvironments, TrainingOptions};
-use pubs_train::{InputScaling, Progress, Recipe, Settings, TrainError, Trained};
+use pubs_policy::{Contract, ExportError, Runtime};
+use pubs_train::surrogate::Goals;
+use pubs_train::{Progress, Recipe};
 
-use crate::evaluation::{EvaluateError, Evaluation, EvaluationOptions, GoalChoice, evaluate};
-use crate::policy_file::{contract_of, network_of, write};
-
-/// Successful stops before episodes start anywhere, §IV-A.3.
-const CURRICULUM: u32 = 50;
+use crate::evaluation::{
+    EvaluateError, Evaluation, EvaluationOptions, GoalChoice, NetworkContestant, evaluate,
+};
+use crate::method::{EntropyInput, Method};
+use crate::policy_file::{contract_of, write};
+use crate::training::{TrainSeedError, TrainedSeed, train_seed};
 
 /// What to train.
 #[derive(Debug, Clone)]
 pub struct TrainingPlan {
+    /// The paper's method or one of its baselines.
+    pub method: Method,
+    /// What the policy sees as entropy; of no account where the method has no belief.
+    pub entropy: EntropyInput,
     /// PPO's settings.
     pub recipe: Recipe,
     /// One goal or every one.
@@ -56,7 +61,7 @@ pub struct Candidate {
     pub learning_s: f64,
     /// Its figures on the common trials.
     pub evaluation: Evaluation,
-    network: Network,
+    trained: TrainedSeed,
 }
 
 /// Why no policy came out.
@@ -68,7 +73,7 @@ pub enum TrainBestError {
         /// Which.
         seed: u64,
         /// Why.
-        source: TrainError<BeliefError>,
+        source: TrainSeedError,
     },
     /// A candidate could not be evaluated.
     #[error("the policy of seed {seed} cannot be evaluated: {source}")]
@@ -105,64 +110,33 @@ pub fn train_best(
     report: &(dyn Fn(usize, &Progress) -> ControlFlow<()> + Sync),
 ) -> Result<(Vec<Candidate>, usize, Evaluation), TrainBestError> {
     let folder = tempfile::tempdir().map_err(TrainBestError::Temporary)?;
+    let judge = |trained: &TrainedSeed, contract: &Contract, trials: &str| {
+        let draft = folder.path().join(format!("{trials}-{}.onnx", contract.seed));
+        judge(task, model, plan, trained, contract, &draft, runtime, trials)
+    };
     let trained = train_all(task, model, plan, report);
     let mut candidates = Vec::new();
     for (seed, result) in plan.seeds.iter().copied().zip(trained) {
         let trained = result.map_err(|source| TrainBestError::Train { seed, source })?;
-        let network = network_of(task, plan.goals, &trained);
-        let draft = folder.path().join(format!("{seed}.onnx"));
-        let contract = contract_of(task, plan, seed, trained.progress.steps, 0.0, &network);
-        let evaluation = judge(
-            task,
-            model,
-            plan,
-            &network,
-            &contract,
-            &draft,
-            runtime,
-            "selection",
-        )?;
+        let contract = contract_of(task, plan, seed, 0.0, &trained);
+        let evaluation = judge(&trained, &contract, "selection")?;
         candidates.push(Candidate {
             seed,
             steps: trained.progress.steps,
             time_s: trained.progress.time_s,
             learning_s: trained.learning_s,
             evaluation,
-            network,
+            trained,
         });
     }
     let score = |index: &usize| candidates[*index].evaluation.mean_discounted_reward;
     let best = (0..candidates.len()).max_by(|one, other| score(one).total_cmp(&score(other)));
     let best = best.ok_or(TrainBestError::NoSeed)?;
-    let chosen = &candidates[best];
-    let draft = folder.path().join("best.onnx");
-    let contract = contract_of(task, plan, chosen.seed, chosen.steps, 0.0, &chosen.network);
-    let fresh = judge(
-        task,
-        model,
-        plan,
-        &chosen.network,
-        &contract,
-        &draft,
-        runtime,
-        "report",
-    )?;
-    let contract = contract_of(
-        task,
-        plan,
-        chosen.seed,
-        chosen.steps,
-        fresh.mean_reward,
-        &chosen.network,
-    );
-    write(
-        &chosen.network,
-        &contract,
-        path,
-        existing,
-        runtime,
-        &task.joint,
-    )?;
+    let Candidate { seed, trained, .. } = &candidates[best];
+    let draft = contract_of(task, plan, *seed, 0.0, trained);
+    let fresh = judge(trained, &draft, "report")?;
+    let contract = contract_of(task, plan, *seed, fresh.mean_reward, trained);
+    write(trained, &contract, path, existing, runtime, task)?;
     Ok((candidates, best, fresh))
 }
 
@@ -172,7 +146,7 @@ fn train_all(
     model: &Arc<dyn Model>,
     plan: &TrainingPlan,
     report: &(dyn Fn(usize, &Progress) -> ControlFlow<()> + Sync),
-) -> Vec<Result<Trained, TrainError<BeliefError>>> {
+) -> Vec<Result<TrainedSeed, TrainSeedError>> {
     let next = AtomicUsize::new(0);
     let results = Mutex::new(Vec::new());
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -189,7 +163,7 @@ fn train_all(
                         break;
                     };
                     let result =
-                        train_one(task, model, plan, seed, &|progress| report(index, progress));
+                        train_seed(task, model, plan, seed, &|progress| report(index, progress));
                     results
                         .lock()
                         .unwrap_or_else(PoisonError::into_inner)
@@ -203,48 +177,6 @@ fn train_all(
     results.into_iter().map(|(_, result)| result).collect()
 }
 
-fn train_one(
-    task: &Arc<Task>,
-    model: &Arc<dyn Model>,
-    plan: &TrainingPlan,
-    seed: u64,
-    report: &dyn Fn(&Progress) -> ControlFlow<()>,
-) -> Result<Trained, TrainError<BeliefError>> {
-    let options = TrainingOptions {
-        goals: plan.goals,
-        count: plan.recipe.environments,
-        curriculum: CURRICULUM,
-        episode_cap: plan.recipe.episode_cap,
-        shield: None,
-        seed: stream(seed, "environments"),
-    };
-    let mut environments = SurrogateEnvironments::new(Arc::clone(task), model, options);
-    let settings = Settings {
-        recipe: plan.recipe.clone(),
-        layers: task.policy.layers.clone(),
-        scaling: scaling(&task.joint, plan.goals, &plan.recipe),
-        discount: task.reward.discount as f32,
-        seed,
-        unit: pubs_train::VectorUnit::best(),
-    };
-    pubs_train::train(&mut environments, &settings, report)
-}
-
-/// Entropy is in [0, 1] already; mean − goal is measured in halves of the range, whatever range
-/// the mean is scaled to.
-fn scaling(joint: &Joint, goals: Goals, recipe: &Recipe) -> InputScaling {
-    let (offset, scale) = recipe
-        .input_range
-        .of_limits(joint.lower as f32, joint.upper as f32);
-    let offsets = [offset, 0.0, 0.0];
-    let scales = [scale, 1.0, 2.0 / joint.range() as f32];
-    let features = goals.features();
-    InputScaling {
-        offset: offsets[..features].to_vec(),
-        scale: scales[..features].to_vec(),
-    }
-}
-
 #[expect(
     clippy::too_many_arguments,
     reason = "each is one thing, and only this file calls it"
@@ -253,19 +185,19 @@ fn judge(
     task: &Arc<Task>,
     model: &Arc<dyn Model>,
     plan: &TrainingPlan,
-    network: &Network,
+    trained: &TrainedSeed,
     contract: &Contract,
     draft: &Path,
     runtime: &Runtime,
     trials: &str,
 ) -> Result<Evaluation, TrainBestError> {
     let file = write(
-        network,
+        trained,
         contract,
         draft,
         pubs_policy::Existing::Replace,
         runtime,
-        &task.joint,
+        task,
     )?;
     let options = EvaluationOptions {
         trials: plan.trials,
@@ -278,7 +210,11 @@ fn judge(
         seed: stream(0, trials),
         threads: plan.threads,
     };
-    evaluate(task, model, &file, runtime, &options).map_err(|source| TrainBestError::Evaluate {
+    let contestant = NetworkContestant {
+        file: &file,
+        runtime,
+    };
+    evaluate(task, model, &contestant, &options).map_err(|source| TrainBestError::Evaluate {
         seed: contract.seed,
         source,
     })

@@ -8,10 +8,12 @@ use pubs_core::belief::Model;
 use pubs_core::shield::Shield;
 use pubs_core::vector::VectorUnit;
 use pubs_policy::{PolicyFile, Runtime};
+use pubs_run::inputs::resolve;
 use pubs_train::surrogate::Stopped;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use crate::decider::{Decider, NetworkDecider};
 use crate::statistics::Sample;
 use crate::trial::{BATCH, Trial, TrialError, TrialOptions, run_batch};
 
@@ -66,8 +68,9 @@ pub struct Evaluation {
     pub mean_goal_error: Option<f64>,
     /// Mean policy steps.
     pub mean_steps: f64,
-    /// Share of trials at whose end the belief's 90 % interval held the true state.
-    pub coverage_90: f64,
+    /// Share of trials at whose end the belief's 90 % interval held the true state; null where
+    /// there is no belief.
+    pub coverage_90: Option<f64>,
     /// Trials in which the belief's recovery rule acted.
     pub recovered_trials: u64,
     /// The vector unit on which the last bits depend.
@@ -100,15 +103,44 @@ pub enum EvaluateError {
     NoTrials,
 }
 
-/// Runs randomised trials of a policy file.
+/// A policy that is judged, opened once per thread.
+pub trait Contestant: Sync {
+    /// Opens it for the object at hand.
+    ///
+    /// # Errors
+    /// Where it cannot be run, or reads what the object does not give.
+    fn open(&self, task: &Task, model: &dyn Model) -> Result<Box<dyn Decider>, EvaluateError>;
+}
+
+/// A policy file and what runs it.
+#[derive(Debug, Clone, Copy)]
+pub struct NetworkContestant<'a> {
+    /// The file.
+    pub file: &'a PolicyFile,
+    /// The runtime.
+    pub runtime: &'a Runtime,
+}
+
+impl Contestant for NetworkContestant<'_> {
+    fn open(&self, task: &Task, model: &dyn Model) -> Result<Box<dyn Decider>, EvaluateError> {
+        let refused = |error: &dyn std::error::Error| EvaluateError::Open(error.to_string());
+        let inputs = resolve(self.file.inputs(), model).map_err(|error| refused(&error))?;
+        let policy = self
+            .file
+            .open(self.runtime)
+            .map_err(|error| refused(&error))?;
+        Ok(Box::new(NetworkDecider::new(policy, inputs, task.stop)))
+    }
+}
+
+/// Runs randomised trials of a policy.
 ///
 /// # Errors
 /// [`EvaluateError`].
 pub fn evaluate(
     task: &Arc<Task>,
     model: &Arc<dyn Model>,
-    file: &PolicyFile,
-    runtime: &Runtime,
+    contestant: &dyn Contestant,
     options: &EvaluationOptions,
 ) -> Result<Evaluation, EvaluateError> {
     if options.trials == 0 {
@@ -129,9 +161,9 @@ pub fn evaluate(
         (0..batches)
             .into_par_iter()
             .map_init(
-                || file.open(runtime),
-                |policy, batch| -> Result<Vec<Trial>, EvaluateError> {
-                    let policy = policy
+                || contestant.open(task, model.as_ref()),
+                |decider, batch| -> Result<Vec<Trial>, EvaluateError> {
+                    let decider = decider
                         .as_mut()
                         .map_err(|error| EvaluateError::Open(error.to_string()))?;
                     let first = batch * BATCH;
@@ -139,7 +171,7 @@ pub fn evaluate(
                     Ok(run_batch(
                         task,
                         model,
-                        policy,
+                        decider.as_mut(),
                         &trial_options,
                         first,
                         count,
@@ -180,7 +212,9 @@ fn sum_up<'t>(trials: impl Iterator<Item = &'t Trial>, time_s: f64) -> Evaluatio
         reward.add(trial.reward);
         discounted.add(trial.discounted_reward);
         steps.add(f64::from(trial.steps));
-        covered.add(f64::from(u8::from(trial.covered)));
+        if let Some(held) = trial.covered {
+            covered.add(f64::from(u8::from(held)));
+        }
         recovered += u64::from(trial.recoveries > 0);
         if matches!(trial.stopped, Some(Stopped::Reached | Stopped::Missed)) {
             goal_error.add(trial.goal_error);
@@ -205,7 +239,7 @@ fn sum_up<'t>(trials: impl Iterator<Item = &'t Trial>, time_s: f64) -> Evaluatio
         failed_stops: missed,
         mean_goal_error: goal_error.mean(),
         mean_steps: steps.mean().unwrap_or(0.0),
-        coverage_90: covered.mean().unwrap_or(0.0),
+        coverage_90: covered.mean(),
         recovered_trials: recovered,
         vector_unit: VectorUnit::best().to_string(),
         time_s,
@@ -225,7 +259,7 @@ mod tests {
             stopped,
             steps: 10,
             goal_error,
-            covered,
+            covered: Some(covered),
             recoveries: 0,
         };
         let trials = [
@@ -242,7 +276,7 @@ mod tests {
         );
         assert_eq!(
             (found.success_rate, found.coverage_90, found.trials_per_s),
-            (0.25, 0.75, 2.0)
+            (0.25, Some(0.75), 2.0)
         );
         assert_eq!(
             (found.safety_violations, found.time_outs, found.failed_stops),

@@ -6,11 +6,18 @@
 //! trials, and [`expected_of`] says what an object asks of a policy. [`trial`] is one trial, [`statistics`] its sums.
 
 mod candidates;
+pub mod decider;
 mod evaluation;
+mod method;
+mod network;
 mod policy_file;
 pub mod statistics;
+mod training;
 pub mod trial;
 
 pub use candidates::{Candidate, TrainBestError, TrainingPlan, train_best};
-pub use evaluation::{EvaluateError, Evaluation, EvaluationOptions, GoalChoice, evaluate};
+pub use evaluation::{
+    Contestant, EvaluateError, Evaluation, EvaluationOptions, GoalChoice, NetworkContestant, evaluate,
+};
+pub use method::{EntropyInput, Method, UnknownWord};
 pub use policy_file::expected_of;

@@ -34,9 +34,8 @@ pub(crate) fn contract_of(
     task: &Task,
     plan: &TrainingPlan,
     seed: u64,
-    steps: usize,
     evaluation_reward: f64,
-    network: &Network,
+    trained: &TrainedSeed,
 ) -> Contract {
     let ingredients = task.policy_ingredients();
     Contract {
@@ -53,7 +52,7 @@ pub(crate) fn contract_of(
             },
         },
         tolerance: task.reward.goal_tolerance,
-        inputs: network.inputs.clone(),
+        inputs: trained.network.inputs.clone(),
         actions: task
             .actions
             .iter()
@@ -66,93 +65,39 @@ pub(crate) fn contract_of(
         discount: task.reward.discount,
         policy_rate_hz: task.policy.rate_hz,
         seed,
-        steps: steps as u64,
+        steps: trained.progress.steps as u64,
         recipe: plan.recipe.name.to_owned(),
         evaluation_reward,
         engine_version: env!("CARGO_PKG_VERSION").to_owned(),
     }
 }
 
-pub(crate) fn network_of(task: &Task, goals: Goals, trained: &Trained) -> Network {
-    let joint = &task.joint;
-    let (scaling, layers) = (trained.policy.scaling(), trained.policy.layers());
-    let names = [
-        (
-            FeatureName::MeanState,
-            joint.unit(),
-            joint.lower,
-            joint.upper,
-        ),
-        (FeatureName::Entropy, "1", 0.0, 1.0),
-        (
-            FeatureName::MeanMinusGoal,
-            joint.unit(),
-            -joint.range(),
-            joint.range(),
-        ),
-    ];
-    let inputs =
-        names[..goals.features()]
-            .iter()
-            .enumerate()
-            .map(|(index, &(name, unit, lower, upper))| Feature {
-                name,
-                unit: unit.to_owned(),
-                lower,
-                upper,
-                offset: f64::from(scaling.offset[index]),
-                scale: f64::from(scaling.scale[index]),
-            });
-    let layers = layers.iter().map(|layer| Dense {
-        inputs: layer.inputs,
-        outputs: layer.outputs,
-        weights: layer.weights.clone(),
-        bias: layer.bias.clone(),
-    });
-    Network {
-        inputs: inputs.collect(),
-        layers: layers.collect(),
-    }
-}
-
+/// Writes the file and proves that it computes what was trained.
 pub(crate) fn write(
-    network: &Network,
+    trained: &TrainedSeed,
     contract: &Contract,
     path: &Path,
     existing: Existing,
     runtime: &Runtime,
-    joint: &Joint,
+    task: &Task,
 ) -> Result<PolicyFile, ExportError> {
-    let inputs = probes(joint, network.inputs.len());
-    let mut logits = vec![0.0; PROBES * network.actions()];
-    for (row, out) in inputs
-        .chunks_exact(network.inputs.len())
-        .zip(logits.chunks_exact_mut(network.actions()))
-    {
-        network.forward(row, out);
-    }
-    let reference = pubs_policy::Reference {
-        inputs: &inputs,
-        logits: &logits,
-    };
+    let network = &trained.network;
+    let inputs = probes(&network.inputs);
+    let reference = network.reference(&inputs, PROBED_SEQUENCE);
     pubs_policy::write(path, network, contract, reference, runtime, existing)
 }
 
-/// Inputs spread over the limits, entropies and goals (additive recurrences of the golden ratio
-/// and its kin, which fill a cube evenly).
-fn probes(joint: &Joint, features: usize) -> Vec<f32> {
-    let share = |index: usize, step: f64| (index as f64 * step).fract();
-    (0..PROBES)
-        .flat_map(|index| {
-            let mean = joint.at_fraction(share(index, 0.819_172_513));
-            let goal = joint.at_fraction(share(index, 0.549_700_478));
-            [
-                mean as f32,
-                share(index, 0.671_043_606) as f32,
-                (mean - goal) as f32,
-            ]
-            .into_iter()
-            .take(features)
+/// Inputs spread over their ranges (additive recurrences of the generalised golden ratio, which
+/// fill a cube evenly; Roberts, 2018).
+fn probes(inputs: &[Feature]) -> Vec<f32> {
+    let dimensions = inputs.len() as i32;
+    // The positive root of x^(d+1) = x + 1.
+    let root = (0..64).fold(2.0_f64, |x, _| (1.0 + x).powf(1.0 / f64::from(dimensions + 1)));
+    let row = |index: usize| {
+        (1..).zip(inputs).map(move |(dimension, input)| {
+            let share = (index as f64 * root.powi(-dimension)).fract();
+            (input.lower + share * (input.upper - input.lower)) as f32
         })
-        .collect()
+    };
+    (0..PROBES).flat_map(row).collect()
 }

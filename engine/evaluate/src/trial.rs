@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
-use pubs_core::belief::{BeliefError, Model};
+use pubs_core::belief::{BeliefError, Filter, Model};
 use pubs_core::seed::stream;
 use pubs_core::shield::Shield;
 use pubs_core::{Goal, Joint, Task};
-use pubs_policy::{Policy, choose};
-use pubs_train::surrogate::{Episode, Stopped, draw_goal, draw_start};
+use pubs_train::surrogate::{Episode, Senses, Stopped, draw_goal, draw_start};
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
+
+use crate::decider::Decider;
 
 /// Trials that go through the policy together: few enough that their filters stay in a core's
 /// cache. Fixed, so that results do not depend on threads.
@@ -55,8 +56,9 @@ pub struct Trial {
     pub steps: u32,
     /// |s − s_g| at the end.
     pub goal_error: f64,
-    /// Whether the belief's 90 % interval held the true state at the end.
-    pub covered: bool,
+    /// Whether the belief's 90 % interval held the true state at the end; `None` where no filter
+    /// followed.
+    pub covered: Option<bool>,
     /// Recoveries of the belief.
     pub recoveries: u32,
 }
@@ -77,31 +79,24 @@ struct Running {
 pub fn run_batch(
     task: &Arc<Task>,
     model: &Arc<dyn Model>,
-    policy: &mut Policy,
+    decider: &mut dyn Decider,
     options: &TrialOptions,
     first: u64,
     count: u64,
 ) -> Result<Vec<Trial>, TrialError> {
+    let senses = decider.senses(options.shield.as_ref());
     let mut running: Vec<Running> = (0..count)
-        .map(|index| begin(task, model, options, first, index))
+        .map(|index| begin(task, model, &senses, options, first, index))
         .collect();
     let mut trials = vec![None; running.len()];
-    let (mut inputs, mut logits) = (Vec::new(), Vec::new());
-    let mut allowed = vec![true; task.actions.len()];
+    let mut actions = Vec::new();
+    decider.begin(running.len());
     while !running.is_empty() {
-        let features = policy.features();
-        inputs.resize(running.len() * features, 0.0);
-        for (one, row) in running.iter().zip(inputs.chunks_exact_mut(features)) {
-            one.episode.features(row);
-        }
-        policy.logits(&inputs, running.len(), &mut logits)?;
+        let episodes: Vec<(usize, &Episode)> =
+            running.iter().map(|one| (one.index, &one.episode)).collect();
+        decider.decide(&episodes, options.shield.as_ref(), &mut actions)?;
         let mut still = Vec::with_capacity(running.len());
-        for (mut one, logits) in running
-            .into_iter()
-            .zip(logits.chunks_exact(task.actions.len()))
-        {
-            one.episode.allowed(options.shield.as_ref(), &mut allowed);
-            let action = choose(logits, task.stop, |index| allowed[index]);
+        for (mut one, &action) in running.into_iter().zip(&actions) {
             let stopped = one.step(task, action)?;
             if stopped.is_some() || one.episode.steps() >= options.max_steps {
                 let index = one.index;
@@ -118,6 +113,7 @@ pub fn run_batch(
 fn begin(
     task: &Arc<Task>,
     model: &Arc<dyn Model>,
+    senses: &Senses,
     options: &TrialOptions,
     first: u64,
     index: u64,
@@ -128,7 +124,7 @@ fn begin(
     let goal = options
         .goal
         .unwrap_or_else(|| draw_goal(&task.joint, &mut rng));
-    let mut episode = Episode::new(Arc::clone(task), Arc::clone(model));
+    let mut episode = Episode::new(Arc::clone(task), Arc::clone(model), senses.clone());
     episode.begin(start, goal, &mut rng);
     Running {
         index: index as usize,
@@ -151,15 +147,19 @@ impl Running {
 
     fn finish(self, stopped: Option<Stopped>) -> Trial {
         let state = self.episode.state();
-        let (from, to) = self.episode.belief().interval(COVERAGE);
+        let belief = self.episode.belief();
+        let covered = belief.map(|belief| {
+            let (from, to) = belief.interval(COVERAGE);
+            (from..=to).contains(&state)
+        });
         Trial {
             reward: self.reward,
             discounted_reward: self.discounted_reward,
             stopped,
             steps: self.episode.steps(),
             goal_error: (state - self.episode.goal()).abs(),
-            covered: (from..=to).contains(&state),
-            recoveries: self.episode.belief().recoveries(),
+            covered,
+            recoveries: belief.map_or(0, Filter::recoveries),
         }
     }
 }

@@ -72,8 +72,13 @@ impl FilterLoop {
             .fold(0, |bits, (index, &allowed)| {
                 bits | (u64::from(allowed) << index)
             });
+        let mut readings = BeliefMessage::default().readings;
+        for (reading, observed) in readings.iter_mut().zip(&self.observation) {
+            *reading = *observed;
+        }
         Ok(BeliefMessage {
             summary: self.filter.summary(),
+            readings,
             allowed: bits,
             speed_m_s: sample.speed_m_s,
             valid: sample.valid,

@@ -9,11 +9,13 @@
 //! triple buffers, so that none can block the fast loop; `lockstep` runs the same steps on a
 //! virtual clock, repeatably. Every way out ends in a ramped stop, and nothing resumes after one.
 
+mod actor;
 pub mod arm;
 pub mod clock;
 mod control_loop;
 mod filter_loop;
 pub mod guard;
+pub mod inputs;
 mod lateness;
 mod live;
 mod lockstep;
@@ -24,6 +26,7 @@ pub mod recording;
 mod report;
 mod run;
 
+pub use actor::{Actor, ActorError};
 pub use arm::{Arm, ArmError};
 pub use guard::{Guard, Trip};
 pub use lateness::{Lateness, LatenessSummary};

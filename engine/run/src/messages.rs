@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use pubs_core::belief::Summary;
+use pubs_core::observation::ARM_CHANNELS;
 
 /// Controller to filter: one control period.
 #[derive(Debug, Clone, Copy, Default)]
@@ -30,6 +31,8 @@ pub struct Sample {
 pub struct BeliefMessage {
     /// Mean and entropy.
     pub summary: Summary,
+    /// The newest reading of each of the model's channels that counted, 0 before the first.
+    pub readings: [f32; ARM_CHANNELS.len()],
     /// Bit i: the shield allows action i.
     pub allowed: u64,
     /// Speed the arm is commanded, m/s, from the sample that was used.
@@ -45,6 +48,7 @@ impl Default for BeliefMessage {
                 mean: 0.0,
                 entropy: 1.0,
             },
+            readings: [0.0; ARM_CHANNELS.len()],
             allowed: u64::MAX,
             speed_m_s: 0.0,
             valid: false,

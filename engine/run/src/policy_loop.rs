@@ -3,9 +3,13 @@
 use std::sync::Arc;
 
 use pubs_core::Task;
+use pubs_core::input::Seen;
 use pubs_core::reward::violates_safety;
-use pubs_policy::{Policy, RunError as PolicyFault, choose};
+use pubs_policy::{RunError as PolicyFault, choose};
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
 
+use crate::actor::Actor;
 use crate::loops::{Chooser, Verdict};
 use crate::messages::{BeliefMessage, Order, Signals, Status};
 use crate::report::{BeliefReport, GoalReport, JudgedBy, Outcome};
@@ -27,10 +31,11 @@ enum Phase {
 /// State of the loop between two ticks.
 pub struct PolicyLoop {
     task: Arc<Task>,
-    policies: Vec<Policy>,
+    policies: Vec<Actor>,
     goals: Vec<GoalPlan>,
     max_steps: u32,
     signals: Signals,
+    rng: Xoshiro256PlusPlus,
     phase: Phase,
     goal: usize,
     goal_began_ns: u64,
@@ -38,19 +43,20 @@ pub struct PolicyLoop {
     steps: u32,
     actions_used: Vec<u32>,
     reports: Vec<GoalReport>,
-    logits: Vec<f32>,
     last: BeliefMessage,
     action: usize,
 }
 
 impl PolicyLoop {
-    /// A loop for goals that name their policies by index.
+    /// A loop for goals that name their policies by index; `seed` is for policies with a random
+    /// input.
     pub fn new(
         task: Arc<Task>,
-        policies: Vec<Policy>,
+        policies: Vec<Actor>,
         goals: Vec<GoalPlan>,
         max_steps: u32,
         signals: Signals,
+        seed: u64,
     ) -> Self {
         Self {
             action: task.stop,
@@ -60,13 +66,13 @@ impl PolicyLoop {
             goals,
             max_steps,
             signals,
+            rng: Xoshiro256PlusPlus::seed_from_u64(seed),
             phase: Phase::Acting,
             goal: 0,
             goal_began_ns: 0,
             began_ns: None,
             steps: 0,
             reports: Vec::new(),
-            logits: Vec::new(),
             last: BeliefMessage::default(),
         }
     }
@@ -108,18 +114,15 @@ impl PolicyLoop {
             return Ok(Verdict::Done);
         }
         let plan = &self.goals[self.goal];
-        let summary = self.last.summary;
-        let all = [
-            summary.mean as f32,
-            summary.entropy as f32,
-            (summary.mean - plan.state) as f32,
-        ];
-        let policy = &mut self.policies[plan.policy];
-        policy.logits(&all[..policy.features()], 1, &mut self.logits)?;
+        let seen = Seen {
+            summary: self.last.summary,
+            goal: plan.state,
+            readings: &self.last.readings,
+            random_entropy: self.rng.random(),
+        };
+        let logits = self.policies[plan.policy].logits(&seen)?;
         let allowed = self.last.allowed;
-        let index = choose(&self.logits, self.task.stop, |index| {
-            allowed >> index & 1 == 1
-        });
+        let index = choose(logits, self.task.stop, |index| allowed >> index & 1 == 1);
         self.steps += 1;
         self.actions_used[index] += 1;
         let action = &self.task.actions[index];

@@ -6,9 +6,10 @@ use std::sync::atomic::AtomicBool;
 use pubs_core::Task;
 use pubs_core::belief::{Filter, Model};
 use pubs_core::observation::ARM_CHANNELS;
+use pubs_core::seed::stream;
 use pubs_core::shield::Shield;
-use pubs_policy::Policy;
 
+use crate::actor::Actor;
 use crate::arm::Arm;
 use crate::filter_loop::FilterLoop;
 use crate::guard::Trip;
@@ -60,13 +61,9 @@ pub enum RunError {
         /// Its name.
         channel: String,
     },
-    /// A policy with the wrong number of actions or inputs.
-    #[error(
-        "a policy has {inputs} inputs and {outputs} actions; this object needs 2 or 3 and {actions}"
-    )]
+    /// A policy with the wrong number of actions.
+    #[error("a policy chooses among {outputs} actions; this object has {actions}")]
     PolicyShape {
-        /// Inputs of the policy.
-        inputs: usize,
         /// Outputs of the policy.
         outputs: usize,
         /// Actions of the object.
@@ -83,7 +80,7 @@ pub fn run(
     task: &Arc<Task>,
     arm: Box<dyn Arm>,
     model: Arc<dyn Model>,
-    policies: Vec<Policy>,
+    policies: Vec<Actor>,
     options: &RunOptions,
     watch: &mut dyn FnMut(&Status),
 ) -> Result<RunReport, RunError> {
@@ -106,6 +103,7 @@ pub fn run(
         options.goals.clone(),
         options.max_steps,
         signals.clone(),
+        stream(options.seed, "random entropy"),
     );
     let rates = Rates {
         names: ["filter", "policy"],
@@ -130,7 +128,7 @@ pub fn run(
 fn check(
     task: &Task,
     channels: &[String],
-    policies: &[Policy],
+    policies: &[Actor],
     options: &RunOptions,
 ) -> Result<(), RunError> {
     if options.goals.is_empty() {
@@ -144,13 +142,10 @@ fn check(
             channel: channel.clone(),
         });
     }
-    let fits = |policy: &&Policy| {
-        (2..=3).contains(&policy.features()) && policy.actions() == task.actions.len()
-    };
-    match policies.iter().find(|policy| !fits(policy)) {
+    let misfit = |policy: &&Actor| policy.actions() != task.actions.len();
+    match policies.iter().find(misfit) {
         None => Ok(()),
         Some(policy) => Err(RunError::PolicyShape {
-            inputs: policy.features(),
             outputs: policy.actions(),
             actions: task.actions.len(),
         }),

@@ -8,12 +8,12 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use pubs_core::{Joint, Task};
 use pubs_policy::{FeatureName, PolicyFile, Runtime};
-use pubs_run::{GoalPlan, GoalReport, Outcome, RunOptions, RunReport, Status};
+use pubs_run::{Actor, GoalPlan, GoalReport, Outcome, RunOptions, RunReport, Status};
 
 use crate::driver::{self, DriverOptions};
 use crate::failure::Failure;
 use crate::object::Ready;
-use crate::options::{ObjectOptions, RuntimeOptions};
+use crate::options::{FrequencyOptions, ObjectOptions, RuntimeOptions};
 use crate::policies::{self, MAX_STEPS};
 use crate::verbs::evaluate::parse_goal;
 use crate::{Ended, built_in, exit, object, show};
@@ -44,6 +44,8 @@ pub struct Arguments {
     inputs: Vec<FeatureName>,
     #[command(flatten)]
     driver: DriverOptions,
+    #[command(flatten)]
+    frequency: FrequencyOptions,
     /// Leave high-force actions unmasked, as the paper
     #[arg(long)]
     no_shield: bool,
@@ -69,6 +71,7 @@ pub fn run(arguments: &Arguments) -> Ended {
     let ready = object::ready(
         &arguments.object.object,
         &arguments.driver.overrides(layers),
+        arguments.frequency.belief_frequency,
         &registry,
         arguments.seed,
     )?;
@@ -83,8 +86,7 @@ pub fn run(arguments: &Arguments) -> Ended {
     ctrlc::set_handler(move || handler.store(true, Ordering::Release))
         .map_err(|error| Failure::fault(&error))?;
     let file = policy(arguments, &ready, &goals, &runtime, &interrupt)?;
-    let policy = file
-        .open(&runtime)
+    let policy = Actor::open(&file, &runtime, ready.model.as_ref())
         .map_err(|error| Failure::incompatible(error.to_string()))?;
     let arm = driver::open(&ready.task, &registry, &arguments.driver, arguments.seed)?;
     driver::check_sensor(&ready.task, &arm, arguments.driver.accept_sensor)?;

@@ -6,14 +6,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 use pubs_core::goal::fraction_label;
-use pubs_evaluate::{Evaluation, TrainingPlan};
+use pubs_evaluate::{EntropyInput, Evaluation, Method, TrainingPlan};
 use pubs_policy::Existing;
 use pubs_train::Recipe;
 use pubs_train::surrogate::Goals;
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::options::{ObjectOptions, RuntimeOptions};
+use crate::options::{FrequencyOptions, ObjectOptions, RuntimeOptions};
 use crate::policies::{self, MAX_STEPS, TRIALS};
 use crate::training::TrainingResult;
 use crate::verbs::evaluate::parse_goal;
@@ -21,13 +21,22 @@ use crate::{Ended, built_in, exit, object, show, training};
 
 #[derive(Args)]
 #[command(after_help = "Examples: pubs-engine train objects/door2.toml
-          pubs-engine train objects/door2.toml --goal 0.5 --recipe paper --seeds 5")]
+          pubs-engine train objects/door2.toml --goal 0.5 --recipe paper --seeds 5
+          pubs-engine train objects/door2.toml --goal 0.5 --method lstm1 --seeds 1")]
 pub struct Arguments {
     #[command(flatten)]
     object: ObjectOptions,
     /// Train for this goal alone, as the paper [default: one policy for every goal]
     #[arg(long, value_name = "GOAL", allow_hyphen_values = true)]
     goal: Option<String>,
+    /// `pubs`, or a baseline on raw observations: `ppo`, `lstm1`, `lstm2`
+    #[arg(long, default_value = "pubs", value_name = "NAME")]
+    method: Method,
+    /// What the policy sees as entropy: `belief`, or an ablation: `random`, `none`
+    #[arg(long, default_value = "belief", value_name = "NAME")]
+    entropy: EntropyInput,
+    #[command(flatten)]
+    frequency: FrequencyOptions,
     /// Settings of PPO: `standard`, or `paper` for the paper's
     #[arg(long, default_value = "standard", value_name = "NAME")]
     recipe: String,
@@ -66,6 +75,8 @@ pub struct Arguments {
 struct Report {
     policy: PathBuf,
     object: String,
+    method: Method,
+    entropy: EntropyInput,
     goal: String,
     recipe: &'static str,
     steps: usize,
@@ -90,6 +101,7 @@ pub fn run(arguments: &Arguments) -> Ended {
     let ready = object::ready(
         &arguments.object.object,
         &arguments.object.layers.overrides(),
+        arguments.frequency.belief_frequency,
         &registry,
         arguments.seed,
     )?;
@@ -106,19 +118,20 @@ pub fn run(arguments: &Arguments) -> Ended {
     recipe.steps = arguments.steps.map_or(recipe.steps, |steps| steps as usize);
     let label = goal.map(|state| fraction_label(joint, state));
     let path = arguments.output.clone().unwrap_or_else(|| {
-        let suffix = label
-            .as_ref()
-            .map_or_else(String::new, |label| format!("-{label}"));
         policies::folder_of(&arguments.object.object)
-            .join(format!("{}{suffix}.onnx", ready.task.name))
+            .join(file_name(arguments, &ready.task.name, label.as_deref()))
     });
+    let shield = ready.task.policy.shield;
     let plan = TrainingPlan {
+        method: arguments.method,
+        entropy: arguments.entropy,
         recipe,
         goals: goal.map_or(Goals::Every, Goals::One),
         seeds: (arguments.seed..arguments.seed + arguments.seeds).collect(),
         trials: arguments.trials,
         max_steps: MAX_STEPS,
-        shield: (!arguments.no_shield).then_some(ready.task.policy.shield),
+        // A shield looks at the belief, which the baselines do not have.
+        shield: (!arguments.no_shield && arguments.method.has_belief()).then_some(shield),
         threads: arguments.threads.map(usize::from),
     };
     let existing = if arguments.overwrite {
@@ -135,6 +148,25 @@ pub fn run(arguments: &Arguments) -> Ended {
         show::print(&text(&report))?;
     }
     Ok(exit::DONE)
+}
+
+/// `door2.onnx`, `door2-0.5.onnx`; a baseline or an ablation says so, and is not what `run` looks
+/// for.
+fn file_name(arguments: &Arguments, object: &str, label: Option<&str>) -> String {
+    let mut variant = Vec::new();
+    if arguments.method != Method::Pubs {
+        variant.push(arguments.method.name().to_owned());
+    } else if arguments.entropy != EntropyInput::Belief {
+        variant.push(format!("entropy_{}", arguments.entropy));
+    }
+    if let Some(times) = arguments.frequency.belief_frequency {
+        variant.push(format!("k{times}"));
+    }
+    let goal = label.map_or_else(String::new, |label| format!("-{label}"));
+    if variant.is_empty() {
+        return format!("{object}{goal}.onnx");
+    }
+    format!("{}_{object}{goal}.onnx", variant.join("_"))
 }
 
 /// Set by Ctrl-C; a training then ends before its next update.
@@ -164,6 +196,8 @@ fn report(
     Report {
         policy,
         object: object.to_owned(),
+        method: plan.method,
+        entropy: plan.entropy,
         goal: label.unwrap_or_else(|| "every".to_owned()),
         recipe: plan.recipe.name,
         steps: best.steps,
@@ -181,8 +215,16 @@ fn report(
 
 fn text(report: &Report) -> String {
     let mut text = format!(
-        "{}: goal {}, recipe {}, {} steps\n",
-        report.object, report.goal, report.recipe, report.steps
+        "{}: goal {}, method {}{}, recipe {}, {} steps\n",
+        report.object,
+        report.goal,
+        report.method,
+        match report.entropy {
+            EntropyInput::Belief => String::new(),
+            other => format!(" (entropy {other})"),
+        },
+        report.recipe,
+        report.steps
     );
     for seed in &report.seeds {
         let kept = if seed.seed == report.best {

@@ -95,11 +95,11 @@ pub(crate) fn network_of(task: &Task, goals: Goals, trained: &Trained) -> Networ
         names[..goals.features()]
             .iter()
             .enumerate()
-            .map(|(index, &(name, unit, lower, upper))| Feature {
-                name,
-                unit: unit.to_owned(),
-                lower,
-                upper,
+            .map(|(index, (name, unit, lower, upper))| Feature {
+                name: name.clone(),
+                unit: (*unit).to_owned(),
+                lower: *lower,
+                upper: *upper,
                 offset: f64::from(scaling.offset[index]),
                 scale: f64::from(scaling.scale[index]),
             });

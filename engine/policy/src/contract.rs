@@ -123,6 +123,12 @@ impl Contract {
                 UNITS.join(", ")
             ));
         }
+        if let Some(input) = self.inputs.iter().find(|input| !input.name.is_word()) {
+            let name = input.name.to_string();
+            return Err(format!(
+                "names the input {name:?}, which does not read back"
+            ));
+        }
         self.check_task()
     }
 

@@ -5,43 +5,93 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-/// What one input of the network is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+/// What one input of the network is. Files, messages and `--inputs` have it as one plain word.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
 pub enum FeatureName {
-    /// Mean joint state of the belief, rad, m or plain.
+    /// `mean_state`: mean joint state of the belief, rad, m or plain.
     MeanState,
-    /// Shannon entropy of the particle weights over ln N, in \[0, 1\].
+    /// `entropy`: Shannon entropy of the particle weights over ln N, in \[0, 1\].
     Entropy,
-    /// Mean joint state minus the goal, for a policy that serves every goal.
+    /// `mean_minus_goal`: mean joint state minus the goal, for a policy that serves every goal.
     MeanMinusGoal,
+    /// `goal`: the goal state, rad, m or plain.
+    Goal,
+    /// `random_entropy`: uniform in \[0, 1\], drawn anew at each policy step in place of the
+    /// entropy (Random H, §IV-D).
+    RandomEntropy,
+    /// `reading.<channel>`: the latest reading of that channel of the observation model, such as
+    /// `reading.f_d` in N or `reading.m_p` (the raw observations of §IV-B).
+    Reading(String),
 }
 
-impl FeatureName {
-    /// Every feature, in the order a policy file uses.
-    pub const ALL: [Self; 3] = [Self::MeanState, Self::Entropy, Self::MeanMinusGoal];
+/// What the word of a reading begins with; its channel follows.
+const READING: &str = "reading.";
 
-    /// The name in files and messages.
+impl FeatureName {
+    /// Every feature that needs no channel to name it.
+    pub const PLAIN: [Self; 5] = [
+        Self::MeanState,
+        Self::Entropy,
+        Self::MeanMinusGoal,
+        Self::Goal,
+        Self::RandomEntropy,
+    ];
+
+    /// The channel of a reading.
     #[must_use]
-    pub fn as_str(self) -> &'static str {
+    pub fn channel(&self) -> Option<&str> {
         match self {
-            Self::MeanState => "mean_state",
-            Self::Entropy => "entropy",
-            Self::MeanMinusGoal => "mean_minus_goal",
+            Self::Reading(channel) => Some(channel),
+            _ => None,
         }
     }
+
+    /// The feature of exactly this word, as a contract has it.
+    fn of_word(word: &str) -> Option<Self> {
+        if let Some(channel) = word.strip_prefix(READING) {
+            return is_channel(channel).then(|| Self::Reading(channel.to_owned()));
+        }
+        match word {
+            "mean_state" => Some(Self::MeanState),
+            "entropy" => Some(Self::Entropy),
+            "mean_minus_goal" => Some(Self::MeanMinusGoal),
+            "goal" => Some(Self::Goal),
+            "random_entropy" => Some(Self::RandomEntropy),
+            _ => None,
+        }
+    }
+
+    /// Whether its word reads back: a channel may hold nothing that parts words.
+    pub(crate) fn is_word(&self) -> bool {
+        self.channel().is_none_or(is_channel)
+    }
+}
+
+/// Words stand between commas on the command line, so a channel holds neither these nor spaces.
+fn is_channel(text: &str) -> bool {
+    let parts_words = |c: char| c == ',' || c.is_whitespace() || c.is_control();
+    !text.is_empty() && !text.contains(parts_words)
 }
 
 impl fmt::Display for FeatureName {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(self.as_str())
+        formatter.write_str(match self {
+            Self::MeanState => "mean_state",
+            Self::Entropy => "entropy",
+            Self::MeanMinusGoal => "mean_minus_goal",
+            Self::Goal => "goal",
+            Self::RandomEntropy => "random_entropy",
+            Self::Reading(channel) => return write!(formatter, "{READING}{channel}"),
+        })
     }
 }
 
 /// A word that names no feature.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "no input is called {found:?}; known are mean_state (or mean), entropy and mean_minus_goal"
+    "no input is called {found:?}; known are mean_state (or mean), entropy, mean_minus_goal, goal, random_entropy and \
+     reading.CHANNEL, such as reading.f_d"
 )]
 pub struct UnknownFeature {
     found: String,
@@ -52,21 +102,32 @@ impl FromStr for FeatureName {
 
     /// Reads a name as `--inputs` has it; `mean` is short for `mean_state`.
     fn from_str(text: &str) -> Result<Self, UnknownFeature> {
-        let word = text.trim();
-        if word == "mean" {
-            return Ok(Self::MeanState);
-        }
-        Self::ALL
-            .into_iter()
-            .find(|name| name.as_str() == word)
-            .ok_or_else(|| UnknownFeature {
+        match text.trim() {
+            "mean" => Ok(Self::MeanState),
+            word => Self::of_word(word).ok_or_else(|| UnknownFeature {
                 found: text.to_owned(),
-            })
+            }),
+        }
     }
 }
 
-/// What the unit of a feature may be: radians, metres, a plain number.
-pub const UNITS: [&str; 3] = ["rad", "m", "1"];
+impl From<FeatureName> for String {
+    fn from(name: FeatureName) -> Self {
+        name.to_string()
+    }
+}
+
+impl TryFrom<String> for FeatureName {
+    type Error = UnknownFeature;
+
+    /// Reads a name as a contract has it, without the leniency of the command line.
+    fn try_from(text: String) -> Result<Self, UnknownFeature> {
+        Self::of_word(&text).ok_or(UnknownFeature { found: text })
+    }
+}
+
+/// What the unit of a feature may be: radians, metres, newtons, a plain number.
+pub const UNITS: [&str; 4] = ["rad", "m", "N", "1"];
 
 /// One input of the network. The graph computes `(x - offset) * scale` before its first layer.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -93,18 +154,37 @@ mod tests {
 
     #[test]
     fn names_read_back_and_unknown_ones_say_what_is_known() {
-        for name in FeatureName::ALL {
-            assert_eq!(name.as_str().parse::<FeatureName>().unwrap(), name);
-            assert_eq!(serde_json::to_string(&name).unwrap(), format!("\"{name}\""));
+        let reading = |channel: &str| FeatureName::Reading(channel.to_owned());
+        let cases = [
+            (FeatureName::MeanState, "mean_state"),
+            (FeatureName::Entropy, "entropy"),
+            (FeatureName::MeanMinusGoal, "mean_minus_goal"),
+            (FeatureName::Goal, "goal"),
+            (FeatureName::RandomEntropy, "random_entropy"),
+            (reading("f_d"), "reading.f_d"),
+            (reading("m_p"), "reading.m_p"),
+            (reading("finger.tip"), "reading.finger.tip"),
+        ];
+        for (name, word) in cases {
+            assert_eq!(name.to_string(), word);
+            assert_eq!(word.parse::<FeatureName>().unwrap(), name);
+            let json = format!("\"{word}\"");
+            assert_eq!(serde_json::to_string(&name).unwrap(), json);
+            assert_eq!(serde_json::from_str::<FeatureName>(&json).unwrap(), name);
         }
         assert_eq!(
             " mean".parse::<FeatureName>().unwrap(),
             FeatureName::MeanState
         );
-        let fault = "variance".parse::<FeatureName>().unwrap_err().to_string();
-        assert!(
-            fault.contains("variance") && fault.contains("mean_minus_goal"),
-            "{fault}"
-        );
+        for word in ["variance", "", "reading", "reading.", "reading.f d", "Goal"] {
+            let fault = word.parse::<FeatureName>().unwrap_err().to_string();
+            assert!(fault.contains(&format!("{word:?}")), "{fault}");
+            for known in FeatureName::PLAIN {
+                assert!(fault.contains(&known.to_string()), "{fault} lacks {known}");
+            }
+            assert!(fault.contains("reading.f_d"), "{fault}");
+        }
+        let lenient = serde_json::from_str::<FeatureName>("\"mean\"");
+        assert!(lenient.is_err(), "a contract has the whole word");
     }
 }

@@ -65,7 +65,11 @@ impl PolicyFile {
         finite(&model)?;
         named(&model.inputs, onnx::INPUT, "input")?;
         named(&model.outputs, onnx::OUTPUT, "output")?;
-        let inputs = contract.inputs.iter().map(|feature| feature.name).collect();
+        let inputs = contract
+            .inputs
+            .iter()
+            .map(|feature| feature.name.clone())
+            .collect();
         let actions = contract.actions.len();
         Self::assemble(path, bytes, &model, Some(contract), inputs, actions)
     }

@@ -201,7 +201,7 @@ fn an_export_that_is_not_what_was_trained_leaves_nothing() {
                 network.inputs[0].unit = "deg".into();
                 contract.inputs.clone_from(&network.inputs);
             },
-            "mean_state is in \"deg\", known are rad, m, 1",
+            "mean_state is in \"deg\", known are rad, m, N, 1",
         ),
         (
             |_, contract, _| contract.evaluation_reward = f64::NAN,

@@ -9,9 +9,9 @@ use std::time::Instant;
 use pubs_core::belief::{Filter, Model};
 use pubs_core::object::{self, Overrides};
 use pubs_core::task::compile;
-use pubs_core::{Motion, Task};
+use pubs_core::{Input, Motion, Task};
 use pubs_host::Registry;
-use pubs_train::surrogate::{Episode, draw_goal, draw_start};
+use pubs_train::surrogate::{Episode, Senses, draw_goal, draw_start};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -74,7 +74,8 @@ fn updates(task: &Task, model: &Arc<dyn Model>) -> (f64, u32) {
 fn steps(task: &Arc<Task>, model: &Arc<dyn Model>) -> (f64, u32) {
     const COUNT: u32 = 5_000;
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
-    let mut episode = Episode::new(Arc::clone(task), Arc::clone(model));
+    let senses = Senses::new([Input::MeanState, Input::Entropy], false);
+    let mut episode = Episode::new(Arc::clone(task), Arc::clone(model), senses);
     let moves: Vec<usize> = (0..task.actions.len())
         .filter(|&index| matches!(task.actions[index].motion, Motion::Move { .. }))
         .collect();

@@ -111,8 +111,12 @@ pub fn train_best(
 ) -> Result<(Vec<Candidate>, usize, Evaluation), TrainBestError> {
     let folder = tempfile::tempdir().map_err(TrainBestError::Temporary)?;
     let judge = |trained: &TrainedSeed, contract: &Contract, trials: &str| {
-        let draft = folder.path().join(format!("{trials}-{}.onnx", contract.seed));
-        judge(task, model, plan, trained, contract, &draft, runtime, trials)
+        let draft = folder
+            .path()
+            .join(format!("{trials}-{}.onnx", contract.seed));
+        judge(
+            task, model, plan, trained, contract, &draft, runtime, trials,
+        )
     };
     let trained = train_all(task, model, plan, report);
     let mut candidates = Vec::new();
@@ -136,7 +140,7 @@ pub fn train_best(
     let draft = contract_of(task, plan, *seed, 0.0, trained);
     let fresh = judge(trained, &draft, "report")?;
     let contract = contract_of(task, plan, *seed, fresh.mean_reward, trained);
-    write(trained, &contract, path, existing, runtime, task)?;
+    write(trained, &contract, path, existing, runtime)?;
     Ok((candidates, best, fresh))
 }
 
@@ -197,7 +201,6 @@ fn judge(
         draft,
         pubs_policy::Existing::Replace,
         runtime,
-        task,
     )?;
     let options = EvaluationOptions {
         trials: plan.trials,

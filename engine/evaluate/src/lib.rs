@@ -17,7 +17,8 @@ pub mod trial;
 
 pub use candidates::{Candidate, TrainBestError, TrainingPlan, train_best};
 pub use evaluation::{
-    Contestant, EvaluateError, Evaluation, EvaluationOptions, GoalChoice, NetworkContestant, evaluate,
+    Contestant, EvaluateError, Evaluation, EvaluationOptions, GoalChoice, NetworkContestant,
+    evaluate,
 };
 pub use method::{EntropyInput, Method, UnknownWord};
 pub use policy_file::expected_of;

@@ -168,7 +168,12 @@ mod tests {
         use Input::{Entropy, Goal, MeanMinusGoal, MeanState, RandomEntropy, Reading};
         let one = Goals::One(0.5);
         let cases = [
-            (Method::Pubs, EntropyInput::Belief, one, vec![MeanState, Entropy]),
+            (
+                Method::Pubs,
+                EntropyInput::Belief,
+                one,
+                vec![MeanState, Entropy],
+            ),
             (
                 Method::Pubs,
                 EntropyInput::Belief,
@@ -182,7 +187,12 @@ mod tests {
                 vec![MeanState, RandomEntropy],
             ),
             (Method::Pubs, EntropyInput::None, one, vec![MeanState]),
-            (Method::Ppo, EntropyInput::Belief, one, vec![Reading(0), Reading(1)]),
+            (
+                Method::Ppo,
+                EntropyInput::Belief,
+                one,
+                vec![Reading(0), Reading(1)],
+            ),
             (
                 Method::Lstm2,
                 EntropyInput::Belief,
@@ -205,6 +215,9 @@ mod tests {
             assert_eq!(entropy.name().parse::<EntropyInput>().unwrap(), entropy);
         }
         let fault = "lstm3".parse::<Method>().unwrap_err().to_string();
-        assert!(fault.contains("lstm3") && fault.contains("lstm2"), "{fault}");
+        assert!(
+            fault.contains("lstm3") && fault.contains("lstm2"),
+            "{fault}"
+        );
     }
 }

@@ -118,8 +118,14 @@ fn largest_mean(task: &Task, model: &dyn Model, channel: usize) -> Result<f64, M
         };
         model.moments(transitions, &mut mean, &mut sigma)?;
         let means = &mean[channel * PROBED_STATES..(channel + 1) * PROBED_STATES];
-        largest = means.iter().fold(largest, |most, mean| most.max(mean.abs()));
+        largest = means
+            .iter()
+            .fold(largest, |most, mean| most.max(mean.abs()));
     }
     // A channel without moments, or without force, is taken as it is.
-    Ok(if largest > 0.0 { f64::from(largest) } else { 1.0 })
+    Ok(if largest > 0.0 {
+        f64::from(largest)
+    } else {
+        1.0
+    })
 }

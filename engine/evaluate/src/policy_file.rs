@@ -2,15 +2,12 @@
 
 use std::path::Path;
 
-use pubs_core::{Joint, Task};
-use pubs_policy::{
-    Contract, Dense, Existing, Expected, ExportError, Feature, FeatureName, Network, PolicyFile,
-    Runtime,
-};
-use pubs_train::Trained;
+use pubs_core::Task;
+use pubs_policy::{Contract, Existing, Expected, ExportError, Feature, PolicyFile, Runtime};
 use pubs_train::surrogate::Goals;
 
 use crate::candidates::TrainingPlan;
+use crate::training::TrainedSeed;
 
 /// Inputs on which the written file is compared with the trainer's network.
 const PROBES: usize = 1000;
@@ -79,11 +76,15 @@ pub(crate) fn write(
     path: &Path,
     existing: Existing,
     runtime: &Runtime,
-    task: &Task,
 ) -> Result<PolicyFile, ExportError> {
     let network = &trained.network;
     let inputs = probes(&network.inputs);
-    let reference = network.reference(&inputs, PROBED_SEQUENCE);
+    let mut logits = vec![0.0; PROBES * network.actions()];
+    network.forward(&inputs, &mut logits);
+    let reference = pubs_policy::Reference {
+        inputs: &inputs,
+        logits: &logits,
+    };
     pubs_policy::write(path, network, contract, reference, runtime, existing)
 }
 
@@ -92,7 +93,9 @@ pub(crate) fn write(
 fn probes(inputs: &[Feature]) -> Vec<f32> {
     let dimensions = inputs.len() as i32;
     // The positive root of x^(d+1) = x + 1.
-    let root = (0..64).fold(2.0_f64, |x, _| (1.0 + x).powf(1.0 / f64::from(dimensions + 1)));
+    let root = (0..64).fold(2.0_f64, |x, _| {
+        (1.0 + x).powf(1.0 / f64::from(dimensions + 1))
+    });
     let row = |index: usize| {
         (1..).zip(inputs).map(move |(dimension, input)| {
             let share = (index as f64 * root.powi(-dimension)).fract();

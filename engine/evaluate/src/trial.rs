@@ -92,8 +92,10 @@ pub fn run_batch(
     let mut actions = Vec::new();
     decider.begin(running.len());
     while !running.is_empty() {
-        let episodes: Vec<(usize, &Episode)> =
-            running.iter().map(|one| (one.index, &one.episode)).collect();
+        let episodes: Vec<(usize, &Episode)> = running
+            .iter()
+            .map(|one| (one.index, &one.episode))
+            .collect();
         decider.decide(&episodes, options.shield.as_ref(), &mut actions)?;
         let mut still = Vec::with_capacity(running.len());
         for (mut one, &action) in running.into_iter().zip(&actions) {

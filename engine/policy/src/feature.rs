@@ -47,6 +47,12 @@ impl FeatureName {
         }
     }
 
+    /// Whether it comes from the particle filter's belief.
+    #[must_use]
+    pub fn is_of_belief(&self) -> bool {
+        matches!(self, Self::MeanState | Self::Entropy | Self::MeanMinusGoal)
+    }
+
     /// The feature of exactly this word, as a contract has it.
     fn of_word(word: &str) -> Option<Self> {
         if let Some(channel) = word.strip_prefix(READING) {

@@ -1,28 +1,31 @@
 //! `pubs-engine evaluate`: many simulated trials of a policy.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use pubs_core::goal::GoalError;
 use pubs_core::{Goal, Joint};
 use pubs_evaluate::trial::goal_label;
-use pubs_evaluate::{Evaluation, EvaluationOptions, GoalChoice, evaluate};
-use pubs_policy::{FeatureName, PolicyFile};
+use pubs_evaluate::{Evaluation, EvaluationOptions, GoalChoice, NetworkContestant, evaluate};
+use pubs_policy::{FeatureName, PolicyFile, Runtime};
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::options::{LayerOptions, RuntimeOptions};
+use crate::object::Ready;
+use crate::options::{FrequencyOptions, LayerOptions, RuntimeOptions};
 use crate::policies::{self, MAX_STEPS};
 use crate::{Ended, built_in, exit, object, show};
 
 #[derive(Args)]
 #[command(
     after_help = "Examples: pubs-engine evaluate policies/door2.onnx --trials 10000
-          pubs-engine evaluate policies/door2.onnx --goal 0.5 --no-shield --json"
+          pubs-engine evaluate policies/door2.onnx --goal 0.5 --no-shield --json
+          pubs-engine evaluate policies/door2.onnx other.onnx --goal 0.5   # on the same trials"
 )]
 pub struct Arguments {
-    /// Policy file
-    policy: PathBuf,
+    /// Policy files, all of one object; they are judged on the same trials
+    #[arg(required = true, value_name = "POLICY")]
+    policies: Vec<PathBuf>,
     /// Object file [default: objects/OBJECT.toml beside the policy's folder]
     #[arg(long, value_name = "FILE")]
     object: Option<PathBuf>,
@@ -38,6 +41,8 @@ pub struct Arguments {
     /// Leave high-force actions unmasked, as the paper
     #[arg(long)]
     no_shield: bool,
+    #[command(flatten)]
+    frequency: FrequencyOptions,
     /// Inputs of a policy that was exported elsewhere and carries no contract, such as mean,entropy
     #[arg(long, value_delimiter = ',', value_name = "NAMES")]
     inputs: Vec<FeatureName>,
@@ -56,6 +61,7 @@ pub struct Arguments {
     json: bool,
 }
 
+/// One policy's figures, as `--json` has them.
 #[derive(Serialize)]
 struct Report {
     policy: PathBuf,
@@ -63,23 +69,15 @@ struct Report {
     goal: String,
     shield: bool,
     seed: u64,
-    trials: u64,
-    mean_reward: f64,
-    mean_reward_se: f64,
-    mean_discounted_reward: f64,
-    mean_discounted_reward_se: f64,
-    success_rate: f64,
-    safety_violations: u64,
-    time_outs: u64,
-    failed_stops: u64,
-    mean_goal_error: Option<f64>,
-    mean_steps: f64,
-    coverage_90: f64,
-    recovered_trials: u64,
-    vector_unit: String,
+    #[serde(flatten)]
+    evaluation: Evaluation,
     runtime: &'static str,
-    time_s: f64,
-    trials_per_s: f64,
+}
+
+/// Several policies' figures on the same trials.
+#[derive(Serialize)]
+struct Reports<'a> {
+    evaluations: &'a [Report],
 }
 
 pub fn run(arguments: &Arguments) -> Ended {
@@ -88,52 +86,77 @@ pub fn run(arguments: &Arguments) -> Ended {
     let ready = object::ready(
         &object_path,
         &arguments.layers.overrides(),
+        arguments.frequency.belief_frequency,
         &registry,
         arguments.seed,
     )?;
+    let runtime = arguments.runtime.runtime()?;
+    let mut reports = Vec::new();
+    for path in &arguments.policies {
+        reports.push(judge(arguments, path, &ready, &runtime)?);
+    }
+    match reports.as_slice() {
+        [report] if arguments.json => show::print_json(report)?,
+        reports if arguments.json => show::print_json(&Reports {
+            evaluations: reports,
+        })?,
+        reports => {
+            let texts: Vec<String> = reports
+                .iter()
+                .map(|report| text(&ready.task.joint, report, reports.len() > 1))
+                .collect();
+            show::print(&texts.join("\n\n"))?;
+        }
+    }
+    Ok(exit::DONE)
+}
+
+/// The figures of one policy.
+fn judge(
+    arguments: &Arguments,
+    path: &Path,
+    ready: &Ready,
+    runtime: &Runtime,
+) -> Result<Report, Failure> {
     let (task, joint) = (&ready.task, &ready.task.joint);
     let asked = match &arguments.goal {
         None => task.default_goal,
         Some(text) => Some(parse_goal(text, joint)?),
     };
     let foreign = (!arguments.inputs.is_empty()).then_some(arguments.inputs.as_slice());
-    let file = policies::named(&arguments.policy, foreign, task, &[asked])?;
+    let file = policies::named(path, foreign, task, &[asked])?;
     let goal = asked.or_else(|| policies::fixed_goal(&file));
     if goal.is_none() && file.contract().is_none() {
         return Err(Failure::invalid(
             "a policy without a contract does not say its goal: add --goal",
         ));
     }
-    let runtime = arguments.runtime.runtime()?;
+    // A shield looks at a belief, which a policy on raw observations does not have.
+    let believes = file.inputs().iter().any(FeatureName::is_of_belief);
+    let shield = believes && !arguments.no_shield;
     let options = EvaluationOptions {
         trials: arguments.trials,
         goal: goal.map_or(GoalChoice::Drawn, GoalChoice::One),
         max_steps: arguments.max_steps,
-        shield: (!arguments.no_shield).then_some(task.policy.shield),
+        shield: shield.then_some(task.policy.shield),
         seed: arguments.seed,
         threads: arguments.threads.map(usize::from),
     };
-    let found = evaluate(task, &ready.model, &file, &runtime, &options)
+    let contestant = NetworkContestant {
+        file: &file,
+        runtime,
+    };
+    let evaluation = evaluate(task, &ready.model, &contestant, &options)
         .map_err(|error| Failure::fault(&error))?;
-    let label = goal_label(joint, goal);
-    if arguments.json {
-        show::print_json(&report(
-            arguments,
-            &task.name,
-            label,
-            runtime.version(),
-            found,
-        ))?;
-    } else {
-        show::print(&text(
-            &task.name,
-            &label,
-            joint,
-            !arguments.no_shield,
-            &found,
-        ))?;
-    }
-    Ok(exit::DONE)
+    Ok(Report {
+        policy: path.to_owned(),
+        object: task.name.clone(),
+        goal: goal_label(joint, goal),
+        shield,
+        seed: arguments.seed,
+        evaluation,
+        runtime: runtime.version(),
+    })
 }
 
 /// Reads a goal after `--goal`.
@@ -158,14 +181,14 @@ fn object_path(arguments: &Arguments) -> Result<PathBuf, Failure> {
             "a policy without a contract does not say its object: add --object FILE",
         ));
     }
-    let file = PolicyFile::read(&arguments.policy)
-        .map_err(|error| Failure::incompatible(error.to_string()))?;
+    let policy = &arguments.policies[0];
+    let file =
+        PolicyFile::read(policy).map_err(|error| Failure::incompatible(error.to_string()))?;
     let name = file
         .contract()
         .map(|contract| contract.object.clone())
         .unwrap_or_default();
-    let folder = arguments
-        .policy
+    let folder = policy
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty());
     let beside = folder
@@ -186,45 +209,27 @@ fn object_path(arguments: &Arguments) -> Result<PathBuf, Failure> {
     )))
 }
 
-fn report(
-    arguments: &Arguments,
-    object: &str,
-    goal: String,
-    runtime: &'static str,
-    found: Evaluation,
-) -> Report {
-    Report {
-        policy: arguments.policy.clone(),
-        object: object.to_owned(),
-        goal,
-        shield: !arguments.no_shield,
-        seed: arguments.seed,
-        trials: found.trials,
-        mean_reward: found.mean_reward,
-        mean_reward_se: found.mean_reward_se,
-        mean_discounted_reward: found.mean_discounted_reward,
-        mean_discounted_reward_se: found.mean_discounted_reward_se,
-        success_rate: found.success_rate,
-        safety_violations: found.safety_violations,
-        time_outs: found.time_outs,
-        failed_stops: found.failed_stops,
-        mean_goal_error: found.mean_goal_error,
-        mean_steps: found.mean_steps,
-        coverage_90: found.coverage_90,
-        recovered_trials: found.recovered_trials,
-        vector_unit: found.vector_unit,
-        runtime,
-        time_s: found.time_s,
-        trials_per_s: found.trials_per_s,
-    }
-}
-
-fn text(object: &str, goal: &str, joint: &Joint, shield: bool, found: &Evaluation) -> String {
+fn text(joint: &Joint, report: &Report, named: bool) -> String {
+    let found = &report.evaluation;
     let error = found
         .mean_goal_error
         .map_or_else(|| "–".to_owned(), |error| joint.display(error));
+    let head = if named {
+        format!("{}\n", report.policy.display())
+    } else {
+        String::new()
+    };
+    let coverage = found.coverage_90.map_or_else(
+        || "no belief".to_owned(),
+        |share| {
+            format!(
+                "90 % interval held the true state in {:.1} %",
+                100.0 * share
+            )
+        },
+    );
     format!(
-        "{object}, goal {goal}, {} trials, shield {}\n\
+        "{head}{}, goal {}, {} trials, shield {}\n\
          reward             {:.4} ± {:.4}\n\
          discounted reward  {:.4} ± {:.4}\n\
          success            {:.2} %\n\
@@ -233,10 +238,12 @@ fn text(object: &str, goal: &str, joint: &Joint, shield: bool, found: &Evaluatio
          failed stops       {}\n\
          goal error         {error} (mean of the stops)\n\
          steps              {:.1}\n\
-         90 % interval held the true state in {:.1} %\n\
+         {coverage}\n\
          {:.2} s, {:.0} trials/s on {}",
+        report.object,
+        report.goal,
         found.trials,
-        if shield { "on" } else { "off" },
+        if report.shield { "on" } else { "off" },
         found.mean_reward,
         found.mean_reward_se,
         found.mean_discounted_reward,
@@ -246,7 +253,6 @@ fn text(object: &str, goal: &str, joint: &Joint, shield: bool, found: &Evaluatio
         found.time_outs,
         found.failed_stops,
         found.mean_steps,
-        100.0 * found.coverage_90,
         found.time_s,
         found.trials_per_s,
         found.vector_unit,

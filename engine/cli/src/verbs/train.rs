@@ -118,8 +118,11 @@ pub fn run(arguments: &Arguments) -> Ended {
     recipe.steps = arguments.steps.map_or(recipe.steps, |steps| steps as usize);
     let label = goal.map(|state| fraction_label(joint, state));
     let path = arguments.output.clone().unwrap_or_else(|| {
-        policies::folder_of(&arguments.object.object)
-            .join(file_name(arguments, &ready.task.name, label.as_deref()))
+        policies::folder_of(&arguments.object.object).join(file_name(
+            arguments,
+            &ready.task.name,
+            label.as_deref(),
+        ))
     });
     let shield = ready.task.policy.shield;
     let plan = TrainingPlan {

@@ -15,12 +15,16 @@ pub(crate) const SCHEMA: &str = r#"{
     "world": { "type": "string", "description": "built-in world, or path of a .toml file" },
     "start": { "type": "number", "minimum": 0, "maximum": 1, "description": "joint state at first, as a fraction of the range; drawn from the seed where left out" },
     "friction_scale": { "type": "number", "minimum": 0, "maximum": 10, "description": "dry and viscous friction times this" },
-    "catch_scale": { "type": "number", "minimum": 0, "maximum": 10, "description": "force of catch and seal times this" }
+    "catch_scale": { "type": "number", "minimum": 0, "maximum": 10, "description": "force of catch and seal times this" },
+    "sensor_offset_n": { "type": "array", "items": { "type": "number", "minimum": -100, "maximum": 100 }, "minItems": 3, "maxItems": 3, "description": "what the force sensor has drifted by since the object was calibrated, tool axes, N; a tare does not see it" }
   }
 }"#;
 
 /// Greatest factor of a `_scale`.
 const GREATEST_SCALE: f64 = 10.0;
+
+/// Greatest component of the sensor's offset, N.
+const GREATEST_OFFSET_N: f64 = 100.0;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -31,6 +35,8 @@ pub(crate) struct Params {
     pub friction_scale: f64,
     #[serde(default = "one")]
     pub catch_scale: f64,
+    #[serde(default)]
+    pub sensor_offset_n: [f64; 3],
 }
 
 fn one() -> f64 {
@@ -49,6 +55,9 @@ impl Params {
         params.in_range("start", params.start.unwrap_or(0.0), 1.0)?;
         params.in_range("friction_scale", params.friction_scale, GREATEST_SCALE)?;
         params.in_range("catch_scale", params.catch_scale, GREATEST_SCALE)?;
+        for offset_n in params.sensor_offset_n {
+            params.in_range("|sensor_offset_n|", offset_n.abs(), GREATEST_OFFSET_N)?;
+        }
         Ok(params)
     }
 
@@ -70,6 +79,7 @@ impl Params {
         resistance.ripple.amplitude *= self.friction_scale;
         resistance.catch.force_n *= self.catch_scale;
         resistance.seal.force_n *= self.catch_scale;
+        world.sensor.offset_n = self.sensor_offset_n.into();
         Ok(world)
     }
 }

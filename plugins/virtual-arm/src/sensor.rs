@@ -70,6 +70,7 @@ impl Sensor {
         }
         let force = self.filtered.force
             + self.bias_n
+            + model.offset_n
             + self.drift_n_per_s * self.since_tare_s
             + self.correlated_n
             + normals(&mut self.noise) * model.white_n;
@@ -111,6 +112,7 @@ mod tests {
         quantum_n: 0.0,
         bandwidth_hz: f64::INFINITY,
         torque_white_nm: 0.0,
+        offset_n: Vector3::new(0.0, 0.0, 0.0),
     };
 
     fn samples(model: SensorModel, count: usize, travel_m: f64) -> Vec<f64> {

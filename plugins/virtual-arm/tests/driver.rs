@@ -310,6 +310,10 @@ fn faulty_params_are_named() {
             "start = 1.5, but it must lie in 0 to 1",
         ),
         (
+            json!({ "world": "door2", "sensor_offset_n": [0.0, 0.0, -101.0] }),
+            "|sensor_offset_n| = 101, but it must lie in 0 to 100",
+        ),
+        (
             json!({ "world": "door2", "frictoin_scale": 1.0 }),
             "unknown field `frictoin_scale`",
         ),
@@ -317,6 +321,29 @@ fn faulty_params_are_named() {
     for (params, expected) in cases {
         let message = refusal(params.clone());
         assert!(message.contains(expected), "{params}: {message}");
+    }
+}
+
+#[test]
+fn an_offset_of_the_sensor_outlives_a_tare() {
+    let rest = |params: Value| {
+        let mut arm = VirtualArm::open(&setup(params, 1)).unwrap();
+        arm.advance_to(0).unwrap();
+        arm.tare().unwrap();
+        arm.advance_to(100 * MS).unwrap();
+        arm.read().unwrap().force_n
+    };
+    let plain = rest(json!({ "world": "door2", "start": 0.5 }));
+    let offset = [1.0, -2.0, 3.0];
+    let drifted = rest(json!({ "world": "door2", "start": 0.5, "sensor_offset_n": offset }));
+    for axis in 0..3 {
+        let difference = drifted[axis] - plain[axis];
+        // The output comes in steps of 0.02 N.
+        assert!(
+            (difference - offset[axis]).abs() <= 0.021,
+            "axis {axis} moved by {difference} N, not by {}",
+            offset[axis]
+        );
     }
 }
 

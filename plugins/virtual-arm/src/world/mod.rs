@@ -190,4 +190,6 @@ pub struct SensorModel {
     pub bandwidth_hz: f64,
     /// Fresh at every sample, sd, N m.
     pub torque_white_nm: f64,
+    /// What a tare does not take away, tool axes, N.
+    pub offset_n: Vector3<f64>,
 }

@@ -366,6 +366,7 @@ impl Reader<'_> {
             quantum_n: self.not_negative("sensor.quantum_n", table.quantum_n)?,
             bandwidth_hz: or_infinite("sensor.bandwidth_hz", table.bandwidth_hz)?,
             torque_white_nm: self.not_negative("sensor.torque_white_nm", table.torque_white_nm)?,
+            offset_n: Vector3::zeros(),
         })
     }
 

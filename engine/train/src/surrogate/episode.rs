@@ -50,6 +50,7 @@ pub struct Episode {
     steps: u32,
     unsteady: Unsteady,
     readings: Vec<f32>,
+    has_read: bool,
     random_entropy: f32,
 }
 
@@ -63,6 +64,7 @@ impl Episode {
             goal: task.joint.lower,
             steps: 0,
             unsteady: Unsteady::default(),
+            has_read: false,
             random_entropy: 0.0,
             senses,
             task,
@@ -79,6 +81,7 @@ impl Episode {
         self.steps = 0;
         self.unsteady = Unsteady::default();
         self.readings.fill(0.0);
+        self.has_read = false;
         self.draw_entropy(rng);
     }
 
@@ -108,6 +111,11 @@ impl Episode {
         &self.readings
     }
 
+    /// Whether the latest step brought readings that count.
+    pub fn has_read(&self) -> bool {
+        self.has_read
+    }
+
     /// The policy's inputs, in order.
     pub fn features(&self, features: &mut [f32]) {
         let seen = Seen {
@@ -133,6 +141,7 @@ impl Episode {
     /// Where the filter or the model fails.
     pub fn step(&mut self, index: usize, rng: &mut impl Rng) -> Result<Step, BeliefError> {
         self.steps += 1;
+        self.has_read = false;
         self.draw_entropy(rng);
         let task = Arc::clone(&self.task);
         let (reward, action) = (&task.reward, &task.actions[index]);
@@ -193,6 +202,7 @@ impl Episode {
         let counts = !self.unsteady.passes_over(made);
         if counts {
             self.readings.copy_from_slice(observation);
+            self.has_read = true;
         }
         match &mut self.filter {
             None => {}

@@ -1,0 +1,286 @@
+//! `pubs-engine reproduce`: the paper's evaluation on our own objects.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use pubs_evaluate::reproduce::plan::{Part, PlanOptions, plan};
+use pubs_evaluate::reproduce::report::{ReportContext, write};
+use pubs_evaluate::reproduce::runner::{self, Event};
+use pubs_evaluate::reproduce::workshop::Workshop;
+use pubs_evaluate::reproduce::{Results, cell::Unit};
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::options::RuntimeOptions;
+use crate::policies::{MAX_STEPS, TRIALS};
+use crate::{Ended, built_in, exit, show};
+
+#[derive(Args)]
+#[command(after_help = "Examples: pubs-engine reproduce
+          pubs-engine reproduce --only table2,fig4 --seeds 5 --threads 2
+          pubs-engine reproduce --report-only
+What is stored is not run again: break off with Ctrl-C and go on later with the same command.")]
+pub struct Arguments {
+    /// Folder of cells, policies, figures and the report
+    #[arg(long, short, value_name = "DIR", default_value = "reproduction")]
+    output: PathBuf,
+    /// Folder of the object files
+    #[arg(long, value_name = "DIR", default_value = "objects")]
+    objects: PathBuf,
+    /// Only these parts: table1 (with fig. 4 top), table2, table3, table4, fig4 (bottom), fig5
+    #[arg(long, value_delimiter = ',', value_name = "PARTS")]
+    only: Vec<Part>,
+    /// Trainings of each kind, of which the best is shown
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    seeds: u64,
+    /// Trainings of each kind with an LSTM, which take minutes each
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(0..=1000))]
+    recurrent_seeds: u64,
+    /// Trials on the virtual arm for each object of Table IV
+    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..))]
+    trials: u64,
+    /// Simulated trials of each policy
+    #[arg(long, default_value_t = TRIALS, value_parser = clap::value_parser!(u64).range(1..))]
+    evaluation_trials: u64,
+    /// Steps of each training [default: the recipe's]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
+    steps: Option<u64>,
+    /// Time limit of each solver, s
+    #[arg(long, default_value_t = 120.0, value_name = "SECONDS")]
+    timeout: f64,
+    /// Cells at once [default: one per core]
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Run cells again that are stored already
+    #[arg(long)]
+    again: bool,
+    /// Run nothing; write the report on what is stored
+    #[arg(long, conflicts_with = "again")]
+    report_only: bool,
+    /// Look for plugins here first [also PUBS_PLUGIN_PATH]
+    #[arg(long = "plugin-dir", value_name = "DIR")]
+    plugin_dirs: Vec<PathBuf>,
+    #[command(flatten)]
+    runtime: RuntimeOptions,
+    /// One JSON object on stdout
+    #[arg(long)]
+    json: bool,
+}
+
+/// What a reproduction comes to.
+#[derive(Serialize)]
+struct Summary {
+    cells: usize,
+    kept: usize,
+    made: usize,
+    failed: Vec<Failed>,
+    not_run: usize,
+    report: Vec<PathBuf>,
+}
+
+#[derive(Serialize)]
+struct Failed {
+    cell: String,
+    reason: String,
+}
+
+pub fn run(arguments: &Arguments) -> Ended {
+    if !(arguments.timeout > 0.0 && arguments.timeout.is_finite()) {
+        return Err(Failure::invalid(format!(
+            "--timeout {} is no time; write seconds above 0",
+            arguments.timeout
+        )));
+    }
+    let registry = built_in::registry(&arguments.plugin_dirs);
+    let runtime = arguments.runtime.runtime()?;
+    let workshop = Workshop {
+        objects: arguments.objects.clone(),
+        results: arguments.output.clone(),
+        registry: &registry,
+        runtime: &runtime,
+        trials: arguments.evaluation_trials,
+        max_steps: MAX_STEPS,
+        steps: arguments.steps.map(|steps| steps as usize),
+    };
+    let units = plan(&PlanOptions {
+        parts: arguments.only.iter().copied().collect::<BTreeSet<_>>(),
+        seeds: arguments.seeds,
+        recurrent_seeds: arguments.recurrent_seeds,
+        timeout_s: arguments.timeout,
+        arm_trials: arguments.trials,
+    });
+    let mut summary = if arguments.report_only {
+        Summary::of(&vec![None; units.len()], &units)
+    } else {
+        make(arguments, &workshop, &units)?
+    };
+    runner::heatmaps(&workshop).map_err(|error| Failure::fault(&error))?;
+    summary.report = report(&arguments.output)?;
+    tell(arguments, &summary)?;
+    Ok(if summary.failed.is_empty() {
+        exit::DONE
+    } else {
+        exit::FAULT
+    })
+}
+
+/// Runs the cells with a bar over all of them.
+fn make(
+    arguments: &Arguments,
+    workshop: &Workshop<'_>,
+    units: &[Unit],
+) -> Result<Summary, Failure> {
+    let interrupt = Arc::new(AtomicBool::new(false));
+    let handler = Arc::clone(&interrupt);
+    ctrlc::set_handler(move || handler.store(true, Ordering::Release))
+        .map_err(|error| Failure::fault(&error))?;
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = arguments.threads.map_or(cores, usize::from);
+    let progress = Overall::new(units);
+    let ends = Mutex::new(vec![None; units.len()]);
+    let watch = |index: usize, event: &Event| {
+        progress.show(units, index, event);
+        if !matches!(event, Event::Running(_)) {
+            let mut ends = ends.lock().unwrap_or_else(PoisonError::into_inner);
+            ends[index] = Some(event.clone());
+        }
+    };
+    runner::run(
+        workshop,
+        units,
+        threads,
+        arguments.again,
+        &interrupt,
+        &watch,
+    )
+    .map_err(|error| Failure::fault(&error))?;
+    progress.bar.finish_and_clear();
+    let ends = ends.into_inner().unwrap_or_else(PoisonError::into_inner);
+    Ok(Summary::of(&ends, units))
+}
+
+/// One bar over all cells, in estimated seconds of work.
+struct Overall {
+    bar: ProgressBar,
+    done_ms: Vec<AtomicU64>,
+}
+
+impl Overall {
+    fn new(units: &[Unit]) -> Self {
+        let total_ms: f64 = units.iter().map(|unit| 1e3 * estimate_s(unit)).sum();
+        let bar = ProgressBar::new(total_ms as u64);
+        let style = "cells {bar:30} {percent:>3} %  {msg}  ({eta} left)";
+        if let Ok(style) = ProgressStyle::with_template(style) {
+            bar.set_style(style);
+        }
+        Self {
+            bar,
+            done_ms: units.iter().map(|_| AtomicU64::new(0)).collect(),
+        }
+    }
+
+    fn show(&self, units: &[Unit], index: usize, event: &Event) {
+        let unit = &units[index];
+        let share = match event {
+            Event::Running(share) => *share,
+            _ => 1.0,
+        };
+        let done_ms = (1e3 * estimate_s(unit) * f64::from(share.min(1.0))) as u64;
+        self.done_ms[index].store(done_ms, Ordering::Relaxed);
+        let sum = self.done_ms.iter().map(|ms| ms.load(Ordering::Relaxed));
+        self.bar.set_position(sum.sum());
+        self.bar.set_message(unit.id());
+        let line = match event {
+            Event::Running(_) | Event::Kept => return,
+            Event::Made { time_s } => format!("{} in {time_s:.1} s", unit.id()),
+            Event::Failed(reason) => format!("{} failed: {reason}", unit.id()),
+        };
+        self.bar.suspend(|| show::say(&line));
+    }
+}
+
+/// Roughly how long a unit takes on one core, for the bar alone.
+fn estimate_s(unit: &Unit) -> f64 {
+    match unit {
+        Unit::Training { task, method, .. } => {
+            let benchmark = if matches!(task.as_str(), "light_dark" | "sim_object") {
+                2.0
+            } else {
+                1.0
+            };
+            benchmark
+                * match method.lstm_layers() {
+                    0 => 10.0,
+                    1 => 200.0,
+                    _ => 500.0,
+                }
+        }
+        Unit::Solver { timeout_s, .. } => *timeout_s,
+        Unit::Arm { trials, .. } => 0.1 * *trials as f64,
+    }
+}
+
+impl Summary {
+    fn of(ends: &[Option<Event>], units: &[Unit]) -> Self {
+        let count = |is: fn(&Option<Event>) -> bool| ends.iter().filter(|end| is(end)).count();
+        let failed = ends.iter().zip(units).filter_map(|(end, unit)| match end {
+            Some(Event::Failed(reason)) => Some(Failed {
+                cell: unit.id(),
+                reason: reason.clone(),
+            }),
+            _ => None,
+        });
+        Self {
+            cells: units.len(),
+            kept: count(|end| matches!(end, Some(Event::Kept))),
+            made: count(|end| matches!(end, Some(Event::Made { .. }))),
+            failed: failed.collect(),
+            not_run: count(|end| end.is_none()),
+            report: Vec::new(),
+        }
+    }
+}
+
+fn report(results: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let read = Results::read(results).map_err(|error| Failure::fault(&error))?;
+    for notice in read.notices() {
+        show::say(&format!(
+            "warning: passed over {}: {}",
+            notice.file.display(),
+            notice.reason
+        ));
+    }
+    let command: Vec<String> = std::env::args().skip(1).collect();
+    let context = ReportContext {
+        command: format!("pubs-engine {}", command.join(" ")),
+        ..ReportContext::default()
+    };
+    write(&read, results, &context).map_err(|error| Failure::fault(&error))
+}
+
+fn tell(arguments: &Arguments, summary: &Summary) -> Result<(), Failure> {
+    if arguments.json {
+        return show::print_json(summary);
+    }
+    let mut text = format!(
+        "{} cells: {} made, {} kept, {} failed, {} not run\n",
+        summary.cells,
+        summary.made,
+        summary.kept,
+        summary.failed.len(),
+        summary.not_run
+    );
+    for failed in &summary.failed {
+        text += &format!("  {}: {}\n", failed.cell, failed.reason);
+    }
+    for file in &summary.report {
+        if file.extension().is_some_and(|end| end != "svg") {
+            text += &format!("report: {}\n", file.display());
+        }
+    }
+    show::print(text.trim_end())
+}

@@ -1,0 +1,267 @@
+//! Which units of work make up the paper's evaluation.
+
+use std::collections::BTreeSet;
+use std::str::FromStr;
+
+use super::cell::{GoalName, SolverMethod, Unit};
+use crate::method::{EntropyInput, Method};
+
+/// The objects of Fig. 3, as the paper orders them.
+pub const OBJECTS: [&str; 4] = ["drawer1", "drawer2", "door1", "door2"];
+/// The benchmarks.
+pub const BENCHMARKS: [&str; 2] = ["sim_object", "light_dark"];
+/// Filter updates per policy step of Fig. 4 bottom; the object file itself stands for the largest.
+pub const FREQUENCIES: [u32; 3] = [1, 2, 5];
+
+/// A table or a figure of the paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Part {
+    /// Discounted rewards of method and baselines; Fig. 4 (top) comes with it.
+    Table1,
+    /// Light-Dark against the frequency of the belief, Fig. 4 (bottom).
+    Figure4,
+    /// Offline solvers.
+    Table2,
+    /// Ablations of the entropy.
+    Table3,
+    /// Behaviour over mean and entropy.
+    Figure5,
+    /// Trials on the (virtual) arm.
+    Table4,
+}
+
+/// How much to run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlanOptions {
+    /// Parts; all where empty.
+    pub parts: BTreeSet<Part>,
+    /// Trainings of each kind; the paper's five.
+    pub seeds: u64,
+    /// Trainings of each kind with an LSTM, which take ten times as long and more.
+    pub recurrent_seeds: u64,
+    /// Time limit of a solver, s.
+    pub timeout_s: f64,
+    /// Trials on the arm.
+    pub arm_trials: u64,
+}
+
+/// All units of the asked-for parts, each once, those that others need before them and the long
+/// ones last.
+pub fn plan(options: &PlanOptions) -> Vec<Unit> {
+    let asked = |part: Part| options.parts.is_empty() || options.parts.contains(&part);
+    let mut units = Vec::new();
+    if asked(Part::Table1) {
+        units.extend(table_1(options, Method::Pubs));
+        units.extend(table_1(options, Method::Ppo));
+    }
+    if asked(Part::Table2) {
+        units.extend(table_2(options));
+    }
+    if asked(Part::Figure4) {
+        units.extend(figure_4(options));
+    }
+    if asked(Part::Table3) {
+        units.extend(table_3(options));
+    }
+    if asked(Part::Figure5) {
+        units.extend(figure_5(options));
+    }
+    if asked(Part::Table4) {
+        units.extend(table_4(options));
+    }
+    if asked(Part::Table1) {
+        units.extend(table_1(options, Method::Lstm1));
+        units.extend(table_1(options, Method::Lstm2));
+    }
+    let mut seen = BTreeSet::new();
+    units.retain(|unit| seen.insert(unit.id()));
+    units
+}
+
+fn table_1(options: &PlanOptions, method: Method) -> Vec<Unit> {
+    let seeds = match method.lstm_layers() {
+        0 => options.seeds,
+        _ => options.recurrent_seeds,
+    };
+    let goals = [GoalName::Middle, GoalName::Open, GoalName::Closed];
+    let of_seed = |seed| {
+        let of_goal = move |goal| OBJECTS.map(|task| training(task, goal, method, seed));
+        goals.into_iter().flat_map(of_goal)
+    };
+    (1..=seeds).flat_map(of_seed).collect()
+}
+
+fn table_2(options: &PlanOptions) -> Vec<Unit> {
+    let solvers = BENCHMARKS.into_iter().flat_map(|task| {
+        [SolverMethod::Sarsop, SolverMethod::Qmdp].map(|method| Unit::Solver {
+            task: task.to_owned(),
+            method,
+            timeout_s: options.timeout_s,
+            belief_frequency: None,
+        })
+    });
+    solvers.chain(benchmarks(options)).collect()
+}
+
+fn benchmarks(options: &PlanOptions) -> impl Iterator<Item = Unit> {
+    let of_seed = |seed| BENCHMARKS.map(|task| training(task, GoalName::Own, Method::Pubs, seed));
+    (1..=options.seeds).flat_map(of_seed)
+}
+
+fn figure_4(options: &PlanOptions) -> Vec<Unit> {
+    let of_seed = |seed| FREQUENCIES.map(|frequency| at_frequency(frequency, seed));
+    let own = |unit: &Unit| unit.task() == "light_dark";
+    let frequencies = (1..=options.seeds).flat_map(of_seed);
+    frequencies
+        .chain(table_2(options).into_iter().filter(own))
+        .collect()
+}
+
+fn at_frequency(frequency: u32, seed: u64) -> Unit {
+    let mut unit = training("light_dark", GoalName::Own, Method::Pubs, seed);
+    if let Unit::Training {
+        belief_frequency, ..
+    } = &mut unit
+    {
+        *belief_frequency = Some(frequency);
+    }
+    unit
+}
+
+fn table_3(options: &PlanOptions) -> Vec<Unit> {
+    let mut units = Vec::new();
+    for seed in 1..=options.seeds {
+        for entropy in EntropyInput::ALL {
+            let objects = OBJECTS.map(|task| (task, GoalName::Middle));
+            let benchmarks = BENCHMARKS.map(|task| (task, GoalName::Own));
+            let tasks = objects.into_iter().chain(benchmarks);
+            units.extend(tasks.map(|(task, goal)| ablation(task, goal, entropy, seed)));
+        }
+    }
+    units
+}
+
+fn figure_5(options: &PlanOptions) -> Vec<Unit> {
+    let of_seed = |seed| {
+        [
+            training("door2", GoalName::Middle, Method::Pubs, seed),
+            training("drawer2", GoalName::Closed, Method::Pubs, seed),
+            training("light_dark", GoalName::Own, Method::Pubs, seed),
+        ]
+    };
+    (1..=options.seeds).flat_map(of_seed).collect()
+}
+
+/// The policies of the middle goal, and the trials that take the best of them.
+fn table_4(options: &PlanOptions) -> Vec<Unit> {
+    let of_seed =
+        |seed| OBJECTS.map(|task| training(task, GoalName::Middle, Method::Pubs, seed));
+    let arm = |drift| {
+        OBJECTS.map(|task| Unit::Arm {
+            task: task.to_owned(),
+            trials: options.arm_trials,
+            drift,
+        })
+    };
+    let policies = (1..=options.seeds).flat_map(of_seed);
+    policies.chain(arm(false)).chain(arm(true)).collect()
+}
+
+fn training(task: &str, goal: GoalName, method: Method, seed: u64) -> Unit {
+    let entropy = if method.has_belief() {
+        EntropyInput::Belief
+    } else {
+        EntropyInput::None
+    };
+    Unit::Training {
+        task: task.to_owned(),
+        goal,
+        method,
+        entropy,
+        belief_frequency: None,
+        seed,
+    }
+}
+
+fn ablation(task: &str, goal: GoalName, entropy: EntropyInput, seed: u64) -> Unit {
+    Unit::Training {
+        task: task.to_owned(),
+        goal,
+        method: Method::Pubs,
+        entropy,
+        belief_frequency: None,
+        seed,
+    }
+}
+
+impl Part {
+    /// All parts with the words that name them.
+    pub const ALL: [(Self, &'static str); 6] = [
+        (Self::Table1, "table1"),
+        (Self::Figure4, "fig4"),
+        (Self::Table2, "table2"),
+        (Self::Table3, "table3"),
+        (Self::Figure5, "fig5"),
+        (Self::Table4, "table4"),
+    ];
+}
+
+/// A word that names no part.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("there is no part {0:?}; there are {}", Part::ALL.map(|(_, name)| name).join(", "))]
+pub struct UnknownPart(String);
+
+impl FromStr for Part {
+    type Err = UnknownPart;
+
+    fn from_str(text: &str) -> Result<Self, UnknownPart> {
+        let found = Self::ALL.into_iter().find(|(_, name)| *name == text);
+        found
+            .map(|(part, _)| part)
+            .ok_or_else(|| UnknownPart(text.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn count(parts: &[Part]) -> usize {
+        let options = PlanOptions {
+            parts: parts.iter().copied().collect(),
+            seeds: 5,
+            recurrent_seeds: 1,
+            timeout_s: 60.0,
+            arm_trials: 20,
+        };
+        let units = plan(&options);
+        let ids: BTreeSet<String> = units.iter().map(Unit::id).collect();
+        assert_eq!(ids.len(), units.len(), "each unit once");
+        units.len()
+    }
+
+    #[test]
+    fn parts_have_as_many_units_as_the_paper_has_cells() {
+        let cases = [
+            // 12 cells of two methods with five seeds, and of two with one.
+            (&[Part::Table1][..], 12 * (5 + 5 + 1 + 1)),
+            // Two solvers and one method on two benchmarks.
+            (&[Part::Table2], 2 * 2 + 2 * 5),
+            // Three further frequencies, and Light-Dark of Table II.
+            (&[Part::Figure4], 3 * 5 + 2 + 5),
+            // Six tasks, three inputs.
+            (&[Part::Table3], 6 * 3 * 5),
+            (&[Part::Figure5], 3 * 5),
+            // Four policies, trials with and without drift.
+            (&[Part::Table4], 4 * 5 + 8),
+            // Shared units count once.
+            (
+                &[],
+                12 * 12 + (2 * 2 + 2 * 5) + 3 * 5 + 6 * 2 * 5 + 8,
+            ),
+        ];
+        for (parts, expected) in cases {
+            assert_eq!(count(parts), expected, "{parts:?}");
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! A cell of training: one seed, trained and judged.
+
+use std::ops::ControlFlow;
+
+use pubs_core::seed::stream;
+use pubs_core::shield::Shield;
+use pubs_policy::{Existing, PolicyFile};
+use pubs_train::Progress;
+use pubs_train::surrogate::Goals;
+
+use super::cell::{CellResult, Figures, GoalName, Judged};
+use super::workshop::{Prepared, Workshop, WorkshopError};
+use crate::candidates::TrainingPlan;
+use crate::evaluation::{EvaluationOptions, GoalChoice, NetworkContestant, evaluate};
+use crate::method::{EntropyInput, Method};
+use crate::policy_file::{contract_of, write};
+use crate::training::{default_recipe, train_seed};
+
+/// What a training cell is of; the fields of its unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrainingCell {
+    /// Its goal.
+    pub goal: GoalName,
+    /// How it is trained.
+    pub method: Method,
+    /// What stands for the entropy.
+    pub entropy: EntropyInput,
+    /// Of the training.
+    pub seed: u64,
+}
+
+/// Trains, writes the policy as `<id>.onnx` and judges it on two sets of trials.
+///
+/// # Errors
+/// In words, where something fails or `report` breaks.
+pub fn train(
+    workshop: &Workshop<'_>,
+    prepared: &Prepared,
+    id: &str,
+    cell: TrainingCell,
+    report: &dyn Fn(&Progress) -> ControlFlow<()>,
+) -> Result<CellResult, WorkshopError> {
+    let Prepared { task, model } = prepared;
+    let goal = goal_state(prepared, cell.goal)?;
+    let mut recipe = default_recipe(task);
+    recipe.steps = workshop.steps.unwrap_or(recipe.steps);
+    let plan = TrainingPlan {
+        method: cell.method,
+        entropy: cell.entropy,
+        recipe,
+        goals: Goals::One(goal),
+        seeds: vec![cell.seed],
+        trials: workshop.trials,
+        max_steps: workshop.max_steps,
+        shield: shield_of(prepared, cell.method),
+        threads: Some(1),
+    };
+    let trained = train_seed(task, model, &plan, cell.seed, report).map_err(WorkshopError::of)?;
+    let name = format!("{id}.onnx");
+    let path = workshop.policy(&name);
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(WorkshopError::of)?;
+    }
+    let store = |reward: f64| {
+        let contract = contract_of(task, &plan, cell.seed, reward, &trained);
+        let (replace, runtime) = (Existing::Replace, workshop.runtime);
+        write(&trained, &contract, &path, replace, runtime).map_err(WorkshopError::of)
+    };
+    // The reward goes into the contract, and the file is needed to find it.
+    let draft = store(0.0)?;
+    let judge = |trials| judge(workshop, prepared, &draft, goal, plan.shield, trials);
+    let (selection, fresh) = (judge("selection")?, judge("report")?);
+    store(fresh.plain.mean_reward)?;
+    Ok(CellResult::Training {
+        policy: name,
+        recipe: plan.recipe.name.to_owned(),
+        steps: trained.progress.steps as u64,
+        training_s: trained.progress.time_s,
+        selection,
+        fresh,
+    })
+}
+
+/// The goal as a state (rad, m or plain).
+///
+/// # Errors
+/// Where the object's own goal is asked for and it has none.
+pub fn goal_state(prepared: &Prepared, goal: GoalName) -> Result<f64, WorkshopError> {
+    let task = &prepared.task;
+    match goal {
+        GoalName::Open => Ok(task.joint.upper),
+        GoalName::Middle => Ok(task.joint.at_fraction(0.5)),
+        GoalName::Closed => Ok(task.joint.lower),
+        GoalName::Own => task.default_goal.ok_or_else(|| {
+            WorkshopError(format!("object `{}` has no goal of its own", task.name))
+        }),
+    }
+}
+
+/// The object's shield where a policy of this method can have one: it looks at the belief, and
+/// masks high-force actions.
+fn shield_of(prepared: &Prepared, method: Method) -> Option<Shield> {
+    let task = &prepared.task;
+    let masks = task.actions.iter().any(|action| action.is_high_force());
+    (method.has_belief() && masks).then_some(task.policy.shield)
+}
+
+fn judge(
+    workshop: &Workshop<'_>,
+    prepared: &Prepared,
+    file: &PolicyFile,
+    goal: f64,
+    shield: Option<Shield>,
+    trials: &str,
+) -> Result<Judged, WorkshopError> {
+    let contestant = NetworkContestant {
+        file,
+        runtime: workshop.runtime,
+    };
+    let figures = |shield| {
+        let options = EvaluationOptions {
+            trials: workshop.trials,
+            goal: GoalChoice::One(goal),
+            max_steps: workshop.max_steps,
+            shield,
+            seed: stream(0, trials),
+            threads: Some(1),
+        };
+        evaluate(&prepared.task, &prepared.model, &contestant, &options)
+            .map(|evaluation| Figures::from(&evaluation))
+            .map_err(WorkshopError::of)
+    };
+    Ok(Judged {
+        plain: figures(None)?,
+        shielded: shield.map(|shield| figures(Some(shield))).transpose()?,
+    })
+}

@@ -1,0 +1,306 @@
+//! Running cells: some at once, each stored as soon as it is done, none done twice.
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+use pubs_core::Task;
+use pubs_core::vector::VectorUnit;
+use pubs_policy::PolicyFile;
+
+use super::cell::{Cell, CellResult, GoalName, Unit};
+use super::heatmap::Heatmap;
+use super::results::{CELLS, HEATMAPS, Results};
+use super::run_arm;
+use super::run_heatmap::heatmap;
+use super::run_solver;
+use super::run_training::{TrainingCell, train};
+use super::seeds::Training;
+use super::workshop::{Prepared, Workshop, WorkshopError, write_whole};
+use super::date;
+use crate::method::{EntropyInput, Method};
+
+/// What happens to a unit; `index` is its place in the plan.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Event {
+    /// It was stored by an earlier run and still holds.
+    Kept,
+    /// It is under way; the share that is done.
+    Running(f32),
+    /// It is stored.
+    Made {
+        /// Wall time, s.
+        time_s: f64,
+    },
+    /// It is not stored.
+    Failed(String),
+}
+
+/// Stages that wait for each other: the trials on the arm take the best of the trained policies,
+/// and the long trainings must not keep them waiting.
+const STAGES: [fn(&Unit) -> bool; 3] = [
+    |unit| !is_arm(unit) && !is_recurrent(unit),
+    is_arm,
+    is_recurrent,
+];
+
+/// Runs what is not stored yet. Without `again`, a stored cell of the same unit, object, engine
+/// version and number of trials is kept.
+///
+/// # Errors
+/// Where the folder of results cannot be read; what happens to single units is reported.
+pub fn run(
+    workshop: &Workshop<'_>,
+    units: &[Unit],
+    threads: usize,
+    again: bool,
+    interrupt: &AtomicBool,
+    report: &(dyn Fn(usize, &Event) + Sync),
+) -> Result<(), WorkshopError> {
+    let stored = Results::read(&workshop.results).map_err(WorkshopError::of)?;
+    for stage in STAGES {
+        let waiting: Vec<usize> = (0..units.len())
+            .filter(|&index| stage(&units[index]))
+            .collect();
+        let next = AtomicUsize::new(0);
+        std::thread::scope(|scope| {
+            for _ in 0..threads.clamp(1, waiting.len().max(1)) {
+                scope.spawn(|| {
+                    while let Some(&index) = waiting.get(next.fetch_add(1, Ordering::Relaxed)) {
+                        if interrupt.load(Ordering::Relaxed) {
+                            break;
+                        }
+                        let unit = &units[index];
+                        let job = Job {
+                            workshop,
+                            unit,
+                            interrupt,
+                        };
+                        let earlier = stored.cell(unit).filter(|_| !again);
+                        report(index, &job.done(earlier, &|share| {
+                            report(index, &Event::Running(share));
+                        }));
+                    }
+                });
+            }
+        });
+    }
+    Ok(())
+}
+
+/// One unit on its way.
+struct Job<'a> {
+    workshop: &'a Workshop<'a>,
+    unit: &'a Unit,
+    interrupt: &'a AtomicBool,
+}
+
+impl Job<'_> {
+    fn done(&self, earlier: Option<&Cell>, progress: &dyn Fn(f32)) -> Event {
+        match self.store(earlier, progress) {
+            Ok(None) => Event::Kept,
+            Ok(Some(time_s)) => Event::Made { time_s },
+            Err(error) => Event::Failed(error.to_string()),
+        }
+    }
+
+    /// Makes and stores the cell, unless the earlier one holds; the time it took.
+    fn store(
+        &self,
+        earlier: Option<&Cell>,
+        progress: &dyn Fn(f32),
+    ) -> Result<Option<f64>, WorkshopError> {
+        let begun = Instant::now();
+        let prepared = self.workshop.object(self.unit.task(), frequency(self.unit))?;
+        let task_hash = hash_of(&prepared.task);
+        if earlier.is_some_and(|cell| self.holds(cell, &task_hash)) {
+            return Ok(None);
+        }
+        let result = self.result(&prepared, progress)?;
+        let time_s = begun.elapsed().as_secs_f64();
+        let cell = Cell {
+            unit: self.unit.clone(),
+            engine_version: env!("CARGO_PKG_VERSION").to_owned(),
+            vector_unit: VectorUnit::best().to_string(),
+            task_hash,
+            made_at: date::now(),
+            time_s,
+            result,
+        };
+        store_json(self.workshop, CELLS, &self.unit.id(), &cell)?;
+        Ok(Some(time_s))
+    }
+
+    fn holds(&self, cell: &Cell, task_hash: &str) -> bool {
+        let workshop = self.workshop;
+        let same = cell.unit == *self.unit
+            && cell.task_hash == task_hash
+            && cell.engine_version == env!("CARGO_PKG_VERSION");
+        let as_asked = match &cell.result {
+            CellResult::Training { fresh, steps, .. } => {
+                let steps_asked = workshop.steps.map(|steps| steps as u64);
+                fresh.plain.trials == workshop.trials
+                    && steps_asked.is_none_or(|asked| *steps >= asked && *steps < 2 * asked)
+            }
+            CellResult::Solver { evaluation, .. } => evaluation.trials == workshop.trials,
+            CellResult::Arm { .. } => true,
+        };
+        same && as_asked
+    }
+
+    fn result(
+        &self,
+        prepared: &Prepared,
+        progress: &dyn Fn(f32),
+    ) -> Result<CellResult, WorkshopError> {
+        match self.unit {
+            Unit::Training {
+                goal,
+                method,
+                entropy,
+                seed,
+                ..
+            } => {
+                let cell = TrainingCell {
+                    goal: *goal,
+                    method: *method,
+                    entropy: *entropy,
+                    seed: *seed,
+                };
+                train(self.workshop, prepared, &self.unit.id(), cell, &|now| {
+                    progress(now.steps as f32 / now.total_steps.max(1) as f32);
+                    self.flow()
+                })
+            }
+            Unit::Solver {
+                method, timeout_s, ..
+            } => run_solver::solve(
+                self.workshop,
+                prepared,
+                &self.unit.id(),
+                *method,
+                *timeout_s,
+                &|share| {
+                    progress(share);
+                    self.flow()
+                },
+            ),
+            Unit::Arm {
+                task,
+                trials,
+                drift,
+            } => {
+                let policy = best_policy(self.workshop, task, GoalName::Middle)?;
+                run_arm::run(self.workshop, prepared, &policy, *trials, *drift)
+            }
+        }
+    }
+
+    fn flow(&self) -> ControlFlow<()> {
+        if self.interrupt.load(Ordering::Relaxed) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+}
+
+/// Pictures of Fig. 5 from the best policies that are stored; those not trained yet are left out.
+///
+/// # Errors
+/// Where a policy cannot be asked or a file written.
+pub fn heatmaps(workshop: &Workshop<'_>) -> Result<(), WorkshopError> {
+    for (task, goal) in HEATMAPS_OF {
+        let Ok(policy) = best_policy(workshop, task, goal) else {
+            continue;
+        };
+        let prepared = workshop.object(task, None)?;
+        let drawn: Heatmap = heatmap(workshop, &prepared, &policy, goal)?;
+        store_json(workshop, HEATMAPS, &heatmap_id(task, goal), &drawn)?;
+    }
+    Ok(())
+}
+
+/// The policies of Fig. 5.
+pub const HEATMAPS_OF: [(&str, GoalName); 3] = [
+    ("door2", GoalName::Middle),
+    ("drawer2", GoalName::Closed),
+    ("light_dark", GoalName::Own),
+];
+
+/// Name of a heatmap's file, less its extension.
+pub fn heatmap_id(task: &str, goal: GoalName) -> String {
+    format!("{task}-{}", goal.name())
+}
+
+/// The policy of the best seed, as the paper deploys it.
+fn best_policy(
+    workshop: &Workshop<'_>,
+    task: &str,
+    goal: GoalName,
+) -> Result<PolicyFile, WorkshopError> {
+    let results = Results::read(&workshop.results).map_err(WorkshopError::of)?;
+    let training = Training {
+        task,
+        goal,
+        method: Method::Pubs,
+        entropy: EntropyInput::Belief,
+        belief_frequency: None,
+    };
+    let seeds = training.seeds(&results).ok_or_else(|| {
+        WorkshopError(format!(
+            "no policy of {task} for the goal {} is trained yet",
+            goal.name()
+        ))
+    })?;
+    let unit = Unit::Training {
+        task: task.to_owned(),
+        goal,
+        method: training.method,
+        entropy: training.entropy,
+        belief_frequency: training.belief_frequency,
+        seed: seeds.best.seed,
+    };
+    let path: PathBuf = workshop.policy(&format!("{}.onnx", unit.id()));
+    PolicyFile::read(&path).map_err(WorkshopError::of)
+}
+
+fn store_json(
+    workshop: &Workshop<'_>,
+    folder: &str,
+    id: &str,
+    value: &impl serde::Serialize,
+) -> Result<(), WorkshopError> {
+    let text = serde_json::to_string_pretty(value).map_err(WorkshopError::of)?;
+    let path = workshop.results.join(folder).join(format!("{id}.json"));
+    write_whole(&path, text.as_bytes())
+        .map_err(|error| WorkshopError(format!("cannot write {}: {error}", path.display())))
+}
+
+/// Of the task and of its observation model: a cell holds for both.
+fn hash_of(task: &Task) -> String {
+    let task_hash = pubs_policy::task_hash(&task.policy_ingredients());
+    format!("{}-{}", &task_hash[..16], &task.observation_hash()[..16])
+}
+
+fn frequency(unit: &Unit) -> Option<u32> {
+    match unit {
+        Unit::Training {
+            belief_frequency, ..
+        }
+        | Unit::Solver {
+            belief_frequency, ..
+        } => *belief_frequency,
+        Unit::Arm { .. } => None,
+    }
+}
+
+fn is_arm(unit: &Unit) -> bool {
+    matches!(unit, Unit::Arm { .. })
+}
+
+fn is_recurrent(unit: &Unit) -> bool {
+    matches!(unit, Unit::Training { method, .. } if method.lstm_layers() > 0)
+}

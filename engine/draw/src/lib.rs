@@ -11,6 +11,7 @@ mod pen;
 mod print;
 mod raster;
 pub mod style;
+mod ticks;
 
 pub use axis::Axis;
 pub use error::DrawError;
@@ -20,3 +21,4 @@ pub use plotters::style::text_anchor::HPos;
 pub use plotters::style::{RGBColor, WHITE};
 pub use print::printed;
 pub use raster::png;
+pub use ticks::{ticks_below, ticks_beside};

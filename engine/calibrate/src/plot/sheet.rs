@@ -1,9 +1,7 @@
 //! The sheet: panels in rows and columns, and what is written around them.
 
-use pubs_draw::style::{
-    FRAME, HEAD_SIZE, INK, TEXT_SIZE, THIN_WIDTH, TICK_LENGTH, TICK_SIZE, TITLE_SIZE,
-};
-use pubs_draw::{Axis, HPos, Lettering, Pen, WHITE, printed};
+use pubs_draw::style::{HEAD_SIZE, INK, TEXT_SIZE, TICK_SIZE, TITLE_SIZE};
+use pubs_draw::{Axis, HPos, Lettering, Pen, WHITE, printed, ticks_below, ticks_beside};
 
 use crate::segment::Channel;
 
@@ -181,12 +179,7 @@ impl Row<'_> {
             let text = format!("logarithmic beyond \u{b1}{knee}");
             pen.text(&text, [LEFT - 150, middle], note)?;
         }
-        for (tick, label) in &ticks {
-            let y = y.at(*tick);
-            let figure = Lettering::new(TICK_SIZE, INK, HPos::Right);
-            pen.text(label, [LEFT - TICK_LENGTH - 12, y], figure)?;
-            pen.line(&[[LEFT - TICK_LENGTH, y], [LEFT, y]], FRAME, THIN_WIDTH)?;
-        }
+        ticks_beside(pen, &y, &ticks, LEFT)?;
         let ticks: Vec<_> = ticks.into_iter().map(|(tick, _)| tick).collect();
         for (action, &[start, end]) in actions.iter().zip(columns) {
             let margin = BEYOND * (picture.limits[1] - picture.limits[0]);
@@ -226,16 +219,11 @@ impl Row<'_> {
             to: picture.unit.of_si(x.to),
             ..x
         };
-        let bottom = self.span[1];
         let most = ((x.end - x.start) / 120).max(2) as usize;
-        for (tick, label) in axis.ticks(most) {
-            let x = axis.at(tick);
-            pen.line(&[[x, bottom], [x, bottom + TICK_LENGTH]], FRAME, THIN_WIDTH)?;
-            if self.last {
-                let figure = Lettering::new(TICK_SIZE, INK, HPos::Center);
-                pen.text(&label, [x, bottom + TICK_LENGTH + 28], figure)?;
-            }
+        let mut ticks = axis.ticks(most);
+        for (_, label) in ticks.iter_mut().filter(|_| !self.last) {
+            label.clear();
         }
-        Ok(())
+        Ok(ticks_below(pen, &axis, &ticks, self.span[1])?)
     }
 }

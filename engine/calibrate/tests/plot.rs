@@ -8,6 +8,7 @@ use pubs_calibrate::object_text;
 use pubs_calibrate::plot::{Panel, Picture, PlotError, Sample, StateUnit, png, svg};
 use pubs_calibrate::stored::Stored;
 use pubs_calibrate::{Channel, Segment, Values};
+use pubs_draw::DrawError;
 use resvg::tiny_skia::Pixmap;
 
 const ACTIONS: [&str; 4] = ["safe_open", "safe_close", "high_open", "high_close"];
@@ -155,11 +156,11 @@ fn faults_are_named() {
     reversed.limits = [1.0, f64::NAN];
     let message = svg(&reversed).unwrap_err().to_string();
     assert!(message.contains("from 1 to NaN"), "{message}");
-    assert!(matches!(png("no svg", 1.0), Err(PlotError::Svg(_))));
+    assert!(matches!(png("no svg", 1.0), Err(DrawError::Svg(_))));
     let text = svg(&picture(vec![panel(&segments, &[])])).unwrap();
     for scale in [0.0, -1.0, 1e6, f32::NAN] {
         assert!(
-            matches!(png(&text, scale), Err(PlotError::Size { .. })),
+            matches!(png(&text, scale), Err(DrawError::Size { .. })),
             "scale {scale}"
         );
     }

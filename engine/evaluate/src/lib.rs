@@ -4,6 +4,7 @@
 //! cores, and sums them up as an [`Evaluation`]; the number of threads never changes a figure.
 //! [`train_best`] trains a policy with several seeds and keeps the one that does best on common
 //! trials, and [`expected_of`] says what an object asks of a policy. [`trial`] is one trial, [`statistics`] its sums.
+//! [`reproduce`] is the paper's evaluation as a whole.
 
 mod candidates;
 pub mod decider;
@@ -11,6 +12,7 @@ mod evaluation;
 mod method;
 mod network;
 mod policy_file;
+pub mod reproduce;
 pub mod statistics;
 mod training;
 pub mod trial;

@@ -1,8 +1,8 @@
 //! What a model says along the joint, as lines.
 
-use crate::segment::{Segment, Values};
+use pubs_draw::Axis;
 
-use super::axis::Axis;
+use crate::segment::{Segment, Values};
 
 /// Mean and twice sigma over a stretch that segments cover without a gap.
 #[derive(Debug, Default, Clone, PartialEq)]

@@ -1,5 +1,7 @@
 //! What can go wrong with a picture.
 
+use pubs_draw::DrawError;
+
 /// Why there is no picture.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum PlotError {
@@ -16,23 +18,7 @@ pub enum PlotError {
     /// Nothing to draw.
     #[error("a picture needs at least one panel")]
     Empty,
-    /// The drawing library failed.
-    #[error("drawing failed: {0}")]
-    Drawing(String),
-    /// The text given is no SVG.
-    #[error("not an SVG that can be rendered: {0}")]
-    Svg(String),
-    /// A size that no image can have.
-    #[error(
-        "an image of {width} by {height} pixels cannot be made: choose a scale that leaves 1 to 20000 pixels a side"
-    )]
-    Size {
-        /// Pixels.
-        width: String,
-        /// Pixels.
-        height: String,
-    },
-    /// The image cannot be written.
-    #[error("the image cannot be encoded: {0}")]
-    Encoding(String),
+    /// Drawing failed.
+    #[error(transparent)]
+    Draw(#[from] DrawError),
 }

@@ -1,15 +1,14 @@
 //! What the marks mean, once for the sheet.
 
-use plotters::style::text_anchor::HPos;
+use pubs_draw::style::{INK, TEXT_SIZE, THIN_WIDTH};
+use pubs_draw::{CHARACTER_WIDTH, HPos, Lettering, Pen};
 
 use crate::segment::Channel;
 
-use super::font::CHARACTER_WIDTH;
 use super::panel::LEFT_OUT;
-use super::pen::{Lettering, Pen};
 use super::style::{
-    BAND, BAND_EDGE, BOUNDARY, BOUNDARY_LENGTH, HATCH, INK, MEAN, MEAN_WIDTH, SAMPLE,
-    SAMPLE_RADIUS, TEXT_SIZE, THIN_WIDTH, THRESHOLD,
+    BAND, BAND_EDGE, BOUNDARY, BOUNDARY_LENGTH, HATCH, MEAN, MEAN_WIDTH, SAMPLE, SAMPLE_RADIUS,
+    THRESHOLD,
 };
 use super::{Picture, PlotError};
 
@@ -37,13 +36,7 @@ pub(super) fn draw(pen: &mut Pen, picture: &Picture, from: [i32; 2]) -> Result<(
     for (sign, text) in entries(picture) {
         sign.draw(pen, [x, y])?;
         x += SIGN + AFTER_SIGN;
-        let lettering = Lettering {
-            size: TEXT_SIZE,
-            bold: false,
-            color: INK,
-            anchor: HPos::Left,
-            upright: false,
-        };
+        let lettering = Lettering::new(TEXT_SIZE, INK, HPos::Left);
         pen.text(&text, [x, y], lettering)?;
         x += (text.chars().count() as f64 * CHARACTER_WIDTH * TEXT_SIZE) as i32 + AFTER_TEXT;
     }
@@ -83,25 +76,22 @@ impl Sign {
                 }
                 Ok(())
             }
-            Self::Mean => pen.line(&[[x, y], [end, y]], MEAN, MEAN_WIDTH),
+            Self::Mean => Ok(pen.line(&[[x, y], [end, y]], MEAN, MEAN_WIDTH)?),
             Self::Band => {
                 let (above, below) = (y - HALF, y + HALF);
                 let corners = [[x, above], [end, above], [end, below], [x, below]];
                 pen.area(&corners, BAND)?;
                 pen.line(&[[x, above], [end, above]], BAND_EDGE, THIN_WIDTH)?;
-                pen.line(&[[x, below], [end, below]], BAND_EDGE, THIN_WIDTH)
+                Ok(pen.line(&[[x, below], [end, below]], BAND_EDGE, THIN_WIDTH)?)
             }
             Self::Boundary => {
                 let middle = x + SIGN - 14;
                 let half = BOUNDARY_LENGTH / 2;
-                pen.line(
-                    &[[middle, y - half], [middle, y + half]],
-                    BOUNDARY,
-                    THIN_WIDTH + 1,
-                )
+                let mark = [[middle, y - half], [middle, y + half]];
+                Ok(pen.line(&mark, BOUNDARY, THIN_WIDTH + 1)?)
             }
-            Self::Threshold => pen.dashes([x, y], end, THRESHOLD, THIN_WIDTH + 2),
-            Self::LeftOut => pen.hatching([x, y - HALF], [end, y + HALF], HATCH),
+            Self::Threshold => Ok(pen.dashes([x, y], end, THRESHOLD, THIN_WIDTH + 2)?),
+            Self::LeftOut => Ok(pen.hatching([x, y - HALF], [end, y + HALF], HATCH)?),
         }
     }
 }

@@ -3,21 +3,17 @@
 //! One sheet per object, A4 landscape: a row for each channel, a column for each action, all of a
 //! row on one scale. [`svg`] draws it, [`png`] renders that very SVG.
 
-mod axis;
 mod curve;
 mod error;
-mod font;
 mod legend;
 mod panel;
-mod pen;
-mod raster;
 mod scale;
 mod sheet;
 mod style;
 mod thin;
 
 pub use error::PlotError;
-pub use raster::png;
+pub use pubs_draw::png;
 pub use sheet::svg;
 
 use crate::segment::{Channel, Segment};

@@ -1,20 +1,17 @@
 //! One channel of one action, drawn.
 
-use plotters::style::WHITE;
-use plotters::style::text_anchor::HPos;
+use pubs_draw::style::{FRAME, GRID, INK, THIN_WIDTH, TICK_SIZE, ZERO};
+use pubs_draw::{Axis, CHARACTER_WIDTH, DrawError, HPos, Lettering, Pen, WHITE};
 
 use crate::segment::Channel;
 
-use super::axis::Axis;
 use super::curve::{Curve, curves, inside, pressed};
-use super::font::CHARACTER_WIDTH;
-use super::pen::{Lettering, Pen};
 use super::style::{
-    BAND, BAND_EDGE, BOUNDARY, BOUNDARY_LENGTH, FRAME, GRID, HATCH, INK, MEAN, MEAN_WIDTH, SAMPLE,
-    SAMPLE_OPACITY, SAMPLE_RADIUS, THIN_WIDTH, THRESHOLD, TICK_SIZE, ZERO,
+    BAND, BAND_EDGE, BOUNDARY, BOUNDARY_LENGTH, HATCH, MEAN, MEAN_WIDTH, SAMPLE, SAMPLE_OPACITY,
+    SAMPLE_RADIUS, THRESHOLD,
 };
 use super::thin::thinned;
-use super::{Panel, PlotError, Sample};
+use super::{Panel, Sample};
 
 /// What a panel says of stretches without demonstrations.
 pub(super) const LEFT_OUT: &str = "left out: treated as blocked";
@@ -58,7 +55,7 @@ pub(super) fn draw(
     panel: &Panel,
     place: &Place,
     y_ticks: &[f64],
-) -> Result<(), PlotError> {
+) -> Result<(), DrawError> {
     let range = place.limits[1] - place.limits[0];
     let curves = curves(&panel.segments, range);
     ground(pen, place, y_ticks)?;
@@ -91,7 +88,7 @@ pub(super) fn draw(
 }
 
 /// Grid, zero and the limits of the joint.
-fn ground(pen: &mut Pen, place: &Place, y_ticks: &[f64]) -> Result<(), PlotError> {
+fn ground(pen: &mut Pen, place: &Place, y_ticks: &[f64]) -> Result<(), DrawError> {
     for &tick in y_ticks {
         let color = if tick == 0.0 { ZERO } else { GRID };
         let y = place.y.at(tick);
@@ -104,7 +101,7 @@ fn ground(pen: &mut Pen, place: &Place, y_ticks: &[f64]) -> Result<(), PlotError
     Ok(())
 }
 
-fn band(pen: &mut Pen, curve: &Curve, place: &Place) -> Result<(), PlotError> {
+fn band(pen: &mut Pen, curve: &Curve, place: &Place) -> Result<(), DrawError> {
     if curve.points.iter().all(|point| point[2] == 0.0) {
         return Ok(());
     }
@@ -114,7 +111,7 @@ fn band(pen: &mut Pen, curve: &Curve, place: &Place) -> Result<(), PlotError> {
     pen.area(&outline, BAND)
 }
 
-fn samples(pen: &mut Pen, panel: &Panel, place: &Place) -> Result<(), PlotError> {
+fn samples(pen: &mut Pen, panel: &Panel, place: &Place) -> Result<(), DrawError> {
     let shown = panel
         .samples
         .iter()
@@ -152,7 +149,7 @@ fn strewn((index, sample): (usize, &Sample)) -> [f64; 2] {
     [sample.state, sample.value + inwards * STREWN * part]
 }
 
-fn boundaries(pen: &mut Pen, panel: &Panel, place: &Place) -> Result<(), PlotError> {
+fn boundaries(pen: &mut Pen, panel: &Panel, place: &Place) -> Result<(), DrawError> {
     let starts = panel.segments.iter().skip(1).map(|segment| segment.from);
     let mut last = None;
     for x in starts.map(|state| place.x.at(state)) {
@@ -166,7 +163,7 @@ fn boundaries(pen: &mut Pen, panel: &Panel, place: &Place) -> Result<(), PlotErr
 }
 
 /// Hatched; named where the name fits, and in the legend.
-fn left_out(pen: &mut Pen, stretch: [f64; 2], place: &Place) -> Result<(), PlotError> {
+fn left_out(pen: &mut Pen, stretch: [f64; 2], place: &Place) -> Result<(), DrawError> {
     let [from, to] = stretch.map(|state| place.x.at(state.clamp(place.x.from, place.x.to)));
     pen.hatching([from, place.y.end], [to, place.y.start], HATCH)?;
     let length = (CHARACTER_WIDTH * TICK_SIZE * LEFT_OUT.len() as f64) as i32;
@@ -181,12 +178,6 @@ fn left_out(pen: &mut Pen, stretch: [f64; 2], place: &Place) -> Result<(), PlotE
         WHITE,
         true,
     )?;
-    let lettering = Lettering {
-        size: TICK_SIZE,
-        bold: false,
-        color: INK,
-        anchor: HPos::Center,
-        upright: false,
-    };
+    let lettering = Lettering::new(TICK_SIZE, INK, HPos::Center);
     pen.text(LEFT_OUT, middle, lettering)
 }

@@ -1,18 +1,14 @@
 //! The sheet: panels in rows and columns, and what is written around them.
 
-use plotters::style::RGBColor;
-use plotters::style::text_anchor::HPos;
+use pubs_draw::style::{HEAD_SIZE, INK, TEXT_SIZE, TICK_SIZE, TITLE_SIZE};
+use pubs_draw::{Axis, HPos, Lettering, Pen, WHITE, printed, ticks_below, ticks_beside};
 
 use crate::segment::Channel;
 
-use super::axis::Axis;
 use super::legend;
 use super::panel::{self, Place};
-use super::pen::{Lettering, Pen};
 use super::scale::scale;
-use super::style::{
-    FRAME, HEAD_SIZE, INK, SHEET, SHEET_MM, TEXT_SIZE, THIN_WIDTH, TICK_SIZE, TITLE_SIZE,
-};
+use super::style::SHEET;
 use super::{Panel, Picture, PlotError};
 
 /// Left of the panels: figures and the name of the channel.
@@ -25,7 +21,6 @@ const HEAD_Y: i32 = 288;
 const TOP: i32 = 325;
 const BOTTOM: i32 = SHEET[1] - 155;
 const GAP: [i32; 2] = [40, 36];
-const TICK_LENGTH: i32 = 12;
 
 /// Share of the range that is shown beyond each limit, so that what happens at a limit is not on
 /// the frame.
@@ -57,38 +52,22 @@ pub fn svg(picture: &Picture) -> Result<String, PlotError> {
     let mut text = String::new();
     let mut pen = Pen::on(&mut text, SHEET);
     let [width, height] = SHEET;
-    pen.rectangle([0, 0], [width, height], plotters::style::WHITE, true)?;
+    pen.rectangle([0, 0], [width, height], WHITE, true)?;
     headings(&mut pen, picture)?;
     legend::draw(&mut pen, picture, [LEFT, LEGEND_Y])?;
     grid(&mut pen, picture)?;
     pen.finish()?;
-    // So that it prints at its size.
-    let [width_mm, height_mm] = SHEET_MM;
-    Ok(text.replacen(
-        &format!("width=\"{width}\" height=\"{height}\""),
-        &format!("width=\"{width_mm}mm\" height=\"{height_mm}mm\""),
-        1,
-    ))
-}
-
-fn lettering(size: f64, color: RGBColor, anchor: HPos) -> Lettering {
-    Lettering {
-        size,
-        bold: false,
-        color,
-        anchor,
-        upright: false,
-    }
+    Ok(printed(&text, SHEET))
 }
 
 fn headings(pen: &mut Pen, picture: &Picture) -> Result<(), PlotError> {
     let title = Lettering {
         bold: true,
-        ..lettering(TITLE_SIZE, INK, HPos::Left)
+        ..Lettering::new(TITLE_SIZE, INK, HPos::Left)
     };
     pen.text(&picture.title, [LEFT, TITLE_Y], title)?;
-    let subtitle = lettering(TEXT_SIZE, INK, HPos::Left);
-    pen.text(&picture.subtitle, [LEFT, SUBTITLE_Y], subtitle)
+    let subtitle = Lettering::new(TEXT_SIZE, INK, HPos::Left);
+    Ok(pen.text(&picture.subtitle, [LEFT, SUBTITLE_Y], subtitle)?)
 }
 
 fn grid(pen: &mut Pen, picture: &Picture) -> Result<(), PlotError> {
@@ -103,7 +82,7 @@ fn grid(pen: &mut Pen, picture: &Picture) -> Result<(), PlotError> {
     for (action, span) in actions.iter().zip(&columns) {
         let head = Lettering {
             bold: true,
-            ..lettering(HEAD_SIZE, INK, HPos::Center)
+            ..Lettering::new(HEAD_SIZE, INK, HPos::Center)
         };
         pen.text(action, [(span[0] + span[1]) / 2, HEAD_Y], head)?;
     }
@@ -120,8 +99,8 @@ fn grid(pen: &mut Pen, picture: &Picture) -> Result<(), PlotError> {
         top = bottom + GAP[1];
     }
     let middle = [(LEFT + RIGHT) / 2, SHEET[1] - 50];
-    let below = lettering(TEXT_SIZE, INK, HPos::Center);
-    pen.text(picture.unit.axis_title(), middle, below)
+    let below = Lettering::new(TEXT_SIZE, INK, HPos::Center);
+    Ok(pen.text(picture.unit.axis_title(), middle, below)?)
 }
 
 /// Names, in the order in which they come.
@@ -188,7 +167,7 @@ impl Row<'_> {
         };
         let name = Lettering {
             upright: true,
-            ..lettering(TEXT_SIZE, INK, HPos::Center)
+            ..Lettering::new(TEXT_SIZE, INK, HPos::Center)
         };
         let middle = (top + bottom) / 2;
         pen.text(self.name, [LEFT - 205, middle], name)?;
@@ -200,12 +179,7 @@ impl Row<'_> {
             let text = format!("logarithmic beyond \u{b1}{knee}");
             pen.text(&text, [LEFT - 150, middle], note)?;
         }
-        for (tick, label) in &ticks {
-            let y = y.at(*tick);
-            let figure = lettering(TICK_SIZE, INK, HPos::Right);
-            pen.text(label, [LEFT - TICK_LENGTH - 12, y], figure)?;
-            pen.line(&[[LEFT - TICK_LENGTH, y], [LEFT, y]], FRAME, THIN_WIDTH)?;
-        }
+        ticks_beside(pen, &y, &ticks, LEFT)?;
         let ticks: Vec<_> = ticks.into_iter().map(|(tick, _)| tick).collect();
         for (action, &[start, end]) in actions.iter().zip(columns) {
             let margin = BEYOND * (picture.limits[1] - picture.limits[0]);
@@ -245,16 +219,11 @@ impl Row<'_> {
             to: picture.unit.of_si(x.to),
             ..x
         };
-        let bottom = self.span[1];
         let most = ((x.end - x.start) / 120).max(2) as usize;
-        for (tick, label) in axis.ticks(most) {
-            let x = axis.at(tick);
-            pen.line(&[[x, bottom], [x, bottom + TICK_LENGTH]], FRAME, THIN_WIDTH)?;
-            if self.last {
-                let figure = lettering(TICK_SIZE, INK, HPos::Center);
-                pen.text(&label, [x, bottom + TICK_LENGTH + 28], figure)?;
-            }
+        let mut ticks = axis.ticks(most);
+        for (_, label) in ticks.iter_mut().filter(|_| !self.last) {
+            label.clear();
         }
-        Ok(())
+        Ok(ticks_below(pen, &axis, &ticks, self.span[1])?)
     }
 }

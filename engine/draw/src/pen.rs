@@ -6,44 +6,70 @@ use plotters::style::{
     Color, FontDesc, FontFamily, FontStyle, FontTransform, RGBColor, ShapeStyle, TextStyle,
 };
 
-use super::PlotError;
-use super::font::FAMILIES;
-use super::style::{DASH, HATCH_STEP, THIN_WIDTH};
+use crate::DrawError;
+use crate::font::FAMILIES;
+use crate::style::{DASH, HATCH_STEP, THIN_WIDTH};
 
 /// The library writes a font's size divided by this.
 const SIZE_FACTOR: f64 = 1.24;
 
 /// How a text stands to its place.
 #[derive(Clone, Copy)]
-pub(super) struct Lettering {
+pub struct Lettering {
+    /// Height of the type.
     pub size: f64,
+    /// Heavier.
     pub bold: bool,
+    /// Of the letters.
     pub color: RGBColor,
+    /// Which end of the text stands at its place.
     pub anchor: HPos,
     /// Read from below.
     pub upright: bool,
 }
 
+impl Lettering {
+    /// Neither bold nor upright.
+    pub fn new(size: f64, color: RGBColor, anchor: HPos) -> Self {
+        Self {
+            size,
+            bold: false,
+            color,
+            anchor,
+            upright: false,
+        }
+    }
+}
+
 /// Draws; every place is `[x, y]` in 1/300 inch from the upper left.
-pub(super) struct Pen<'a> {
+pub struct Pen<'a> {
     backend: SVGBackend<'a>,
 }
 
-type Drawn = Result<(), PlotError>;
+type Drawn = Result<(), DrawError>;
 
 impl<'a> Pen<'a> {
-    pub(super) fn on(buffer: &'a mut String, size: [i32; 2]) -> Self {
+    /// An empty sheet whose SVG goes to `buffer`.
+    pub fn on(buffer: &'a mut String, size: [i32; 2]) -> Self {
         let size = size.map(i32::unsigned_abs);
         Self {
             backend: SVGBackend::with_string(buffer, size.into()),
         }
     }
 
-    pub(super) fn finish(mut self) -> Drawn {
+    /// Closes the SVG.
+    ///
+    /// # Errors
+    /// [`DrawError::Drawing`], as all strokes.
+    pub fn finish(mut self) -> Drawn {
         self.backend.present().map_err(drawing)
     }
 
-    pub(super) fn line(&mut self, points: &[[i32; 2]], color: RGBColor, width: u32) -> Drawn {
+    /// A stroke through the points.
+    ///
+    /// # Errors
+    /// [`DrawError::Drawing`].
+    pub fn line(&mut self, points: &[[i32; 2]], color: RGBColor, width: u32) -> Drawn {
         let style = ShapeStyle {
             color: color.to_rgba(),
             filled: false,
@@ -53,27 +79,33 @@ impl<'a> Pen<'a> {
         self.backend.draw_path(points, &style).map_err(drawing)
     }
 
-    pub(super) fn area(&mut self, points: &[[i32; 2]], color: RGBColor) -> Drawn {
+    /// A filled polygon.
+    ///
+    /// # Errors
+    /// [`DrawError::Drawing`].
+    pub fn area(&mut self, points: &[[i32; 2]], color: RGBColor) -> Drawn {
         let points = points.iter().map(|&point| point.into());
         self.backend
             .fill_polygon(points, &color.filled())
             .map_err(drawing)
     }
 
-    pub(super) fn dot(
-        &mut self,
-        at: [i32; 2],
-        radius: u32,
-        color: RGBColor,
-        opacity: f64,
-    ) -> Drawn {
+    /// A filled disc.
+    ///
+    /// # Errors
+    /// [`DrawError::Drawing`].
+    pub fn dot(&mut self, at: [i32; 2], radius: u32, color: RGBColor, opacity: f64) -> Drawn {
         let style = color.mix(opacity).filled();
         self.backend
             .draw_circle(at.into(), radius, &style, true)
             .map_err(drawing)
     }
 
-    pub(super) fn rectangle(
+    /// Filled, or its outline.
+    ///
+    /// # Errors
+    /// [`DrawError::Drawing`].
+    pub fn rectangle(
         &mut self,
         from: [i32; 2],
         to: [i32; 2],
@@ -91,13 +123,10 @@ impl<'a> Pen<'a> {
     }
 
     /// A dashed level line.
-    pub(super) fn dashes(
-        &mut self,
-        from: [i32; 2],
-        to_x: i32,
-        color: RGBColor,
-        width: u32,
-    ) -> Drawn {
+    ///
+    /// # Errors
+    /// [`DrawError::Drawing`].
+    pub fn dashes(&mut self, from: [i32; 2], to_x: i32, color: RGBColor, width: u32) -> Drawn {
         let [stroke, gap] = DASH;
         let mut x = from[0];
         while x < to_x {
@@ -109,7 +138,10 @@ impl<'a> Pen<'a> {
     }
 
     /// Lines rising to the right over a rectangle.
-    pub(super) fn hatching(&mut self, from: [i32; 2], to: [i32; 2], color: RGBColor) -> Drawn {
+    ///
+    /// # Errors
+    /// [`DrawError::Drawing`].
+    pub fn hatching(&mut self, from: [i32; 2], to: [i32; 2], color: RGBColor) -> Drawn {
         let height = to[1] - from[1];
         let mut foot = from[0] - height;
         while foot < to[0] {
@@ -126,7 +158,10 @@ impl<'a> Pen<'a> {
     }
 
     /// `at` is the middle of the letters' height.
-    pub(super) fn text(&mut self, text: &str, at: [i32; 2], lettering: Lettering) -> Drawn {
+    ///
+    /// # Errors
+    /// [`DrawError::Drawing`].
+    pub fn text(&mut self, text: &str, at: [i32; 2], lettering: Lettering) -> Drawn {
         let style = if lettering.bold {
             FontStyle::Bold
         } else {
@@ -153,6 +188,6 @@ impl<'a> Pen<'a> {
     }
 }
 
-fn drawing(error: impl std::fmt::Display) -> PlotError {
-    PlotError::Drawing(error.to_string())
+fn drawing(error: impl std::fmt::Display) -> DrawError {
+    DrawError::Drawing(error.to_string())
 }

@@ -2,10 +2,14 @@
 
 /// Values `from..to` on the sheet's `start..end`.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Axis {
+pub struct Axis {
+    /// The value at the start.
     pub from: f64,
+    /// The value at the end.
     pub to: f64,
+    /// On the sheet.
     pub start: i32,
+    /// On the sheet.
     pub end: i32,
     /// Linear up to this size of a value, logarithmic beyond; `None`: linear throughout.
     pub knee: Option<f64>,
@@ -13,13 +17,14 @@ pub(super) struct Axis {
 
 impl Axis {
     /// Where a value stands.
-    pub(super) fn at(&self, value: f64) -> i32 {
+    pub fn at(&self, value: f64) -> i32 {
         let [from, to, value] = [self.from, self.to, value].map(|value| self.bent(value));
         let part = (value - from) / (to - from);
         (f64::from(self.start) + part * f64::from(self.end - self.start)).round() as i32
     }
 
-    pub(super) fn contains(&self, value: f64) -> bool {
+    /// Whether a value is between the ends.
+    pub fn contains(&self, value: f64) -> bool {
         (self.from..=self.to).contains(&value)
     }
 
@@ -34,7 +39,7 @@ impl Axis {
     }
 
     /// At most about `most` round values, with their labels.
-    pub(super) fn ticks(&self, most: usize) -> Vec<(f64, String)> {
+    pub fn ticks(&self, most: usize) -> Vec<(f64, String)> {
         let Some(knee) = self.knee else {
             return even_ticks(
                 self.from,

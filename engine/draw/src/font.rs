@@ -5,10 +5,10 @@ use std::sync::Arc;
 use resvg::usvg::fontdb::Database;
 
 /// For viewers of the SVG: the typeface itself, then those of about its width.
-pub(super) const FAMILIES: &str = "Noto Sans, Open Sans, Segoe UI, DejaVu Sans, sans-serif";
+pub const FAMILIES: &str = "Noto Sans, Open Sans, Segoe UI, DejaVu Sans, sans-serif";
 
 /// About the width of a character, in font sizes; used to lay out what stands in a row.
-pub(super) const CHARACTER_WIDTH: f64 = 0.53;
+pub const CHARACTER_WIDTH: f64 = 0.53;
 
 /// Noto Sans alone, for every family that is asked for.
 pub(super) fn database() -> Arc<Database> {

@@ -1,0 +1,85 @@
+//! What the paper leaves open, and what was chosen.
+
+/// Something the paper does not say, or says in two ways.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Choice {
+    /// What is open.
+    pub open: &'static str,
+    /// What was chosen, and why.
+    pub chosen: &'static str,
+}
+
+/// All of them, in the order of the paper's sections.
+pub const CHOICES: [Choice; 14] = [
+    Choice {
+        open: "The goal tolerance \u{3b5}_g of (2)",
+        chosen: "It stands in each object file, as goal_tolerance_deg or goal_tolerance_m, and \
+                 is part of the task hash of a policy.",
+    },
+    Choice {
+        open: "The step of an action, \u{394}s",
+        chosen: "The speeds of an object file for one period of the policy, 10 Hz; the reward of \
+                 a violation judges the step at the high speed.",
+    },
+    Choice {
+        open: "The moves of Sim Object",
+        chosen: "They stand in sim_object.toml. From any start one walks to a limit and jumps \
+                 to the goal from there, so the sizes decide the reward: no pair of sizes is \
+                 determined by the paper's 0.578.",
+    },
+    Choice {
+        open: "Which reward Table II means for Sim Object",
+        chosen: "The discounted one: its 0.575 is that of Table III, which says so.",
+    },
+    Choice {
+        open: "The definition of Light-Dark",
+        chosen: "That of the code behind the paper's [30]: integers from \u{2212}60 to 60, starts \
+                 from \u{2212}30 to 30, noise that grows from 0.001 with the distance to 10, \
+                 moves of 1 and 10 at a cost of 1 each, +100 for a stop at 0 and \u{2212}100 for \
+                 one elsewhere. The variants of the object file are shown beside it.",
+    },
+    Choice {
+        open: "The discount of Light-Dark",
+        chosen: "0.99 as for all tasks; [30] has 0.95. Rewards are shown without discount, as the \
+                 paper does; the discount decides what solver and training aim at.",
+    },
+    Choice {
+        open: "The cap on steps for the solvers",
+        chosen: "250, as for all policies. The paper's row of QMDP (\u{2212}33.2, 13.65 %) suits a \
+                 cap near 50: QMDP seldom stops, so that its reward says mostly where it was cut \
+                 off.",
+    },
+    Choice {
+        open: "Ten filter updates per large move (Fig. 4, bottom)",
+        chosen: "A move of 10 is carried out as that many equal parts, each with an observation \
+                 and an update of the weights, at the cost of one step.",
+    },
+    Choice {
+        open: "What a random entropy is (Table III)",
+        chosen: "A fresh number from [0, 1] at every policy step, in training and in evaluation \
+                 alike.",
+    },
+    Choice {
+        open: "What stands for entropy where it is left out (Table III)",
+        chosen: "Nothing: the network has one input less.",
+    },
+    Choice {
+        open: "What a policy on raw observations sees before the first reading",
+        chosen: "Zeros.",
+    },
+    Choice {
+        open: "How the best of five seeds is chosen",
+        chosen: "By the mean reward on one set of trials; what is shown is reached on a fresh set, \
+                 so that the choice does not flatter the number. The paper does not say whether \
+                 it made that difference.",
+    },
+    Choice {
+        open: "How many seeds recurrent policies get",
+        chosen: "As many as the time allowed; each entry says how many.",
+    },
+    Choice {
+        open: "Which trials count for the time per unit (Table IV)",
+        chosen: "The successful ones, as for the goal error: a trial that ends early says nothing \
+                 of the time to the goal. Starts at the goal have no distance and are left out.",
+    },
+];

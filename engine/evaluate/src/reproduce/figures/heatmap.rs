@@ -1,0 +1,110 @@
+//! What a policy does over mean and entropy, Fig. 5.
+
+use pubs_draw::style::{INK, TEXT_SIZE};
+use pubs_draw::{Axis, DrawError, HPos, Lettering, Pen, WHITE, ticks_below, ticks_beside};
+
+use super::palette::action;
+use super::{Panel, sheet};
+use crate::reproduce::heatmap::Heatmap;
+
+const SIZE: [i32; 2] = [1900, 1300];
+const LEFT: i32 = 230;
+const RIGHT: i32 = 1470;
+const TOP: i32 = 160;
+const BOTTOM: i32 = SIZE[1] - 190;
+
+/// A rectangle per run of one action, the goal as a dashed line, a legend of the actions that are
+/// chosen somewhere and of those that never are.
+pub(in crate::reproduce) fn heatmap(heatmap: &Heatmap) -> Result<String, DrawError> {
+    let columns = edges(&heatmap.mean);
+    let rows = edges(&heatmap.entropy);
+    let panel = Panel {
+        x: axis(&columns, [LEFT, RIGHT]),
+        y: axis(&rows, [BOTTOM, TOP]),
+    };
+    sheet(SIZE, &heatmap.title, |pen| {
+        for (row, actions) in heatmap.action.iter().enumerate() {
+            let [below, above] = [rows[row], rows[row + 1]].map(|edge| panel.y.at(edge));
+            for (first, last, chosen) in runs(actions) {
+                let [start, end] = [columns[first], columns[last + 1]].map(|edge| panel.x.at(edge));
+                // One unit over the edge: no gap shows between neighbours at any scale.
+                pen.rectangle([start, above], [end + 1, below + 1], action(chosen), true)?;
+            }
+        }
+        goal(pen, &panel, heatmap.goal)?;
+        panel.frame(pen)?;
+        ticks_beside(pen, &panel.y, &panel.y.ticks(6), LEFT)?;
+        ticks_below(pen, &panel.x, &panel.x.ticks(8), BOTTOM)?;
+        titles(pen, heatmap)?;
+        legend(pen, heatmap)
+    })
+}
+
+/// Half-way between neighbours, and as far beyond the ends.
+fn edges(centres: &[f64]) -> Vec<f64> {
+    let last = centres.len() - 1;
+    let inner = centres.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0);
+    let first = (3.0 * centres[0] - centres[1]) / 2.0;
+    let beyond = (3.0 * centres[last] - centres[last - 1]) / 2.0;
+    let ends = [first].into_iter().chain(inner).chain([beyond]);
+    ends.collect()
+}
+
+fn axis(edges: &[f64], [start, end]: [i32; 2]) -> Axis {
+    Axis {
+        from: edges[0],
+        to: edges[edges.len() - 1],
+        start,
+        end,
+        knee: None,
+    }
+}
+
+/// First and last column and action of each stretch with one action.
+fn runs(actions: &[usize]) -> Vec<(usize, usize, usize)> {
+    let mut runs: Vec<(usize, usize, usize)> = Vec::new();
+    for (column, &chosen) in actions.iter().enumerate() {
+        match runs.last_mut() {
+            Some((_, last, same)) if *same == chosen => *last = column,
+            _ => runs.push((column, column, chosen)),
+        }
+    }
+    runs
+}
+
+/// White between dark lines: seen on every colour.
+fn goal(pen: &mut Pen, panel: &Panel, goal: f64) -> Result<(), DrawError> {
+    let x = panel.x.at(goal);
+    let line = [[x, panel.y.end], [x, panel.y.start]];
+    pen.line(&line, WHITE, 9)?;
+    pen.line(&line, INK, 3)
+}
+
+fn titles(pen: &mut Pen, heatmap: &Heatmap) -> Result<(), DrawError> {
+    let across = Lettering::new(TEXT_SIZE, INK, HPos::Center);
+    let upright = Lettering {
+        upright: true,
+        ..across
+    };
+    let mean = match heatmap.unit.as_str() {
+        "" => "mean of the belief".to_owned(),
+        unit => format!("mean of the belief, {unit}"),
+    };
+    pen.text(&mean, [(LEFT + RIGHT) / 2, BOTTOM + 110], across)?;
+    pen.text("entropy", [80, (TOP + BOTTOM) / 2], upright)
+}
+
+fn legend(pen: &mut Pen, heatmap: &Heatmap) -> Result<(), DrawError> {
+    let lettering = Lettering::new(TEXT_SIZE, INK, HPos::Left);
+    let x = RIGHT + 50;
+    let mut y = TOP + 30;
+    for (index, name) in heatmap.actions.iter().enumerate() {
+        pen.rectangle([x, y - 18], [x + 50, y + 18], action(index), true)?;
+        let chosen = heatmap.action.iter().flatten().any(|&one| one == index);
+        let note = if chosen { "" } else { " (never)" };
+        pen.text(&format!("{name}{note}"), [x + 68, y], lettering)?;
+        y += 62;
+    }
+    pen.line(&[[x + 25, y - 22], [x + 25, y + 22]], INK, 3)?;
+    pen.text("goal", [x + 68, y], lettering)
+}

@@ -1,0 +1,104 @@
+//! The seeds of one training, and the best of them, §IV-A.3.
+
+use super::cell::{CellResult, EntropyInput, Figures, GoalName, Judged, Method, Unit};
+use super::paper::Estimate;
+use super::results::Results;
+
+/// All seeds of a training.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Training<'a> {
+    /// Name of the object.
+    pub task: &'a str,
+    /// Its goal.
+    pub goal: GoalName,
+    /// How it is trained.
+    pub method: Method,
+    /// What stands for the entropy; without meaning for a method that has no belief.
+    pub entropy: EntropyInput,
+    /// Filter updates per policy step; `None`: as the object file says.
+    pub belief_frequency: Option<u32>,
+}
+
+/// What was found of them: one at least.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Seeds<'r> {
+    /// The best: the greatest mean reward on the trials of the selection.
+    pub best: Seed<'r>,
+    /// All, in order of their ids.
+    pub all: Vec<Seed<'r>>,
+}
+
+/// One seed of a training.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seed<'r> {
+    /// Its number.
+    pub seed: u64,
+    /// On the trials by which the best is chosen.
+    pub selection: &'r Judged,
+    /// On the trials that are reported.
+    pub fresh: &'r Judged,
+}
+
+/// Which mean reward the paper reports of a task: undiscounted for Light-Dark, discounted for the
+/// others.
+pub fn reward(task: &str, figures: &Figures) -> Estimate {
+    let [mean, se] = if is_light_dark(task) {
+        [figures.mean_reward, figures.mean_reward_se]
+    } else {
+        [
+            figures.mean_discounted_reward,
+            figures.mean_discounted_reward_se,
+        ]
+    };
+    Estimate { mean, se }
+}
+
+/// Light-Dark, or a variant of it.
+pub fn is_light_dark(task: &str) -> bool {
+    task.starts_with("light_dark")
+}
+
+impl Training<'_> {
+    /// Its seeds; `None` where none has been run.
+    pub fn seeds<'r>(&self, results: &'r Results) -> Option<Seeds<'r>> {
+        let all: Vec<_> = results
+            .cells()
+            .filter_map(|(_, cell)| match (&cell.unit, &cell.result) {
+                (
+                    Unit::Training { seed, .. },
+                    CellResult::Training {
+                        selection, fresh, ..
+                    },
+                ) if self.is_that_of(&cell.unit) => Some(Seed {
+                    seed: *seed,
+                    selection,
+                    fresh,
+                }),
+                _ => None,
+            })
+            .collect();
+        let chosen_by = |seed: &Seed| reward(self.task, &seed.selection.plain).mean;
+        let best = all
+            .iter()
+            .copied()
+            .max_by(|a, b| chosen_by(a).total_cmp(&chosen_by(b)))?;
+        Some(Seeds { best, all })
+    }
+
+    fn is_that_of(&self, unit: &Unit) -> bool {
+        let Unit::Training {
+            task,
+            goal,
+            method,
+            entropy,
+            belief_frequency,
+            seed: _,
+        } = unit
+        else {
+            return false;
+        };
+        let entropy = self.method != Method::Pubs || *entropy == self.entropy;
+        let what = (task.as_str(), *goal, *method, *belief_frequency);
+        entropy && what == (self.task, self.goal, self.method, self.belief_frequency)
+    }
+}

@@ -8,6 +8,9 @@
 //! random numbers ([`rng`]): the same seed gives the same weights on the same vector unit.
 
 mod adam;
+mod agent;
+mod batch;
+mod clip;
 mod environment;
 mod error;
 mod gae;
@@ -17,6 +20,7 @@ mod kernels;
 mod learner;
 mod loss;
 mod network;
+mod normal;
 mod policy;
 mod ppo;
 mod progress;

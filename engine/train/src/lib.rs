@@ -26,6 +26,8 @@ mod ppo;
 mod progress;
 mod recipe;
 mod recurrent;
+#[cfg(test)]
+mod reference;
 pub mod rng;
 mod rollout;
 mod scaling;

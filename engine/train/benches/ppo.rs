@@ -16,8 +16,14 @@ use kernels::buffer::Buffer;
 use kernels::matrix::{Left, Shape, Start, multiply};
 use kernels::tanh::apply_tanh;
 use pubs_train::{
-    End, Environments, InputScaling, Recipe, Settings, StepOutcome, VectorUnit, train,
+    End, Environments, InputScaling, Lstm, Recipe, Settings, StepOutcome, VectorUnit, train,
+    train_recurrent,
 };
+
+const FEATURES: usize = 3;
+const LAYERS: [usize; 3] = [64, 64, 64];
+/// Units of a recurrent layer.
+const WIDTH: usize = 256;
 
 /// Walks on [0, 1] from a place that a counter picks; action 0 stops, the others move by
 /// −0.05, −0.2, 0.05 and 0.2. The third feature is there for the width of the real task.
@@ -45,7 +51,7 @@ impl Environments for Walk {
     }
 
     fn features(&self) -> usize {
-        3
+        FEATURES
     }
 
     fn actions(&self) -> usize {
@@ -54,7 +60,7 @@ impl Environments for Walk {
 
     fn observe(&self, features: &mut [f32], allowed: &mut [bool]) {
         allowed.fill(true);
-        for (row, place) in features.chunks_exact_mut(3).zip(&self.places) {
+        for (row, place) in features.chunks_exact_mut(FEATURES).zip(&self.places) {
             row.copy_from_slice(&[*place, place * place, place - 0.5]);
         }
     }
@@ -89,23 +95,36 @@ fn main() {
         time_kernels(unit);
     }
     for recipe in Recipe::all() {
-        let mut times: Vec<_> = (0..runs)
-            .map(|_| time(&recipe, VectorUnit::best()))
-            .collect();
-        times.sort_by(|a, b| a.total_s.total_cmp(&b.total_s));
-        let Times {
-            total_s,
-            learning_s,
-            rollout_s,
-        } = times[times.len() / 2];
-        println!(
-            "{} {:8} {total_s:6.2} s = {learning_s:5.2} learning + {rollout_s:4.2} rollouts, {:7.0} \
-             steps/s",
-            VectorUnit::best(),
-            recipe.name,
-            recipe.steps as f64 / total_s
-        );
+        print_times(recipe.name, recipe.steps, runs, || time(&recipe));
     }
+    for layers in [1, 2] {
+        let recipe = Recipe {
+            steps: 20_480,
+            ..Recipe::standard().recurrent()
+        };
+        let name = format!("lstm{layers}");
+        let median = print_times(&name, recipe.steps, runs, || {
+            time_recurrent(&recipe, layers)
+        });
+        let rate = flop_per_step(&recipe, layers) * recipe.steps as f64 / median.total_s;
+        println!("{:5.1} GFLOP/s", rate / 1e9);
+    }
+}
+
+/// Prints and returns the median of several runs.
+fn print_times(name: &str, steps: usize, runs: usize, run: impl FnMut() -> Times) -> Times {
+    let mut times: Vec<_> = std::iter::repeat_with(run).take(runs).collect();
+    times.sort_by(|a, b| a.total_s.total_cmp(&b.total_s));
+    let median = times[times.len() / 2];
+    println!(
+        "{} {name:8} {:6.2} s = {:5.2} learning + {:4.2} rollouts, {:7.0} steps/s",
+        VectorUnit::best(),
+        median.total_s,
+        median.learning_s,
+        median.rollout_s,
+        steps as f64 / median.total_s
+    );
+    median
 }
 
 /// Prints the speed of the product of two 64 × 64 matrices and of tanh: of many repetitions the
@@ -159,23 +178,55 @@ struct Times {
     rollout_s: f64,
 }
 
-fn time(recipe: &Recipe, unit: VectorUnit) -> Times {
-    let settings = Settings {
+fn settings(recipe: &Recipe) -> Settings {
+    Settings {
         recipe: recipe.clone(),
-        layers: vec![64, 64, 64],
-        scaling: InputScaling::identity(3),
+        layers: LAYERS.to_vec(),
+        scaling: InputScaling::identity(FEATURES),
         discount: 0.99,
         seed: 1,
-        unit,
-    };
-    let mut walk = Walk::new(recipe.environments);
-    let trained = match train(&mut walk, &settings, |_| ControlFlow::Continue(())) {
-        Ok(trained) => trained,
-        Err(error) => panic!("training failed: {error}"),
-    };
-    Times {
-        total_s: trained.progress.time_s,
-        learning_s: trained.learning_s,
-        rollout_s: trained.rollout_s,
+        unit: VectorUnit::best(),
     }
+}
+
+fn time(recipe: &Recipe) -> Times {
+    let mut walk = Walk::new(recipe.environments);
+    let result = train(&mut walk, &settings(recipe), |_| ControlFlow::Continue(()));
+    match result {
+        Ok(trained) => Times {
+            total_s: trained.progress.time_s,
+            learning_s: trained.learning_s,
+            rollout_s: trained.rollout_s,
+        },
+        Err(error) => panic!("training failed: {error}"),
+    }
+}
+
+fn time_recurrent(recipe: &Recipe, layers: usize) -> Times {
+    let mut walk = Walk::new(recipe.environments);
+    let lstm = Lstm {
+        layers,
+        width: WIDTH,
+    };
+    let result = train_recurrent(&mut walk, &settings(recipe), lstm, |_| {
+        ControlFlow::Continue(())
+    });
+    match result {
+        Ok(trained) => Times {
+            total_s: trained.progress.time_s,
+            learning_s: trained.learning_s,
+            rollout_s: trained.rollout_s,
+        },
+        Err(error) => panic!("training failed: {error}"),
+    }
+}
+
+/// Multiplications and additions of the matrix products, for one step of the environment: two
+/// networks forward once in the rollout, and forward and twice as much backward in every epoch.
+fn flop_per_step(recipe: &Recipe, layers: usize) -> f64 {
+    let lstm = 4 * WIDTH * (FEATURES + WIDTH + (layers - 1) * 2 * WIDTH);
+    let widths = [&[WIDTH], &LAYERS[..], &[Walk::MOVES.len()]].concat();
+    let dense: usize = widths.windows(2).map(|pair| pair[0] * pair[1]).sum();
+    let passes = 1 + 3 * recipe.epochs;
+    (2 * 2 * (lstm + dense) * passes) as f64
 }

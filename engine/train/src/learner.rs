@@ -1,17 +1,19 @@
-//! One gradient step on one minibatch.
+//! One gradient step of perceptrons on one minibatch.
+
+use std::ops::Range;
 
 use pubs_core::vector::VectorUnit;
 
 use crate::adam::Adam;
+use crate::agent::{Actor, Agent, Update};
+use crate::batch::Batch;
+use crate::clip::clip_factor;
 use crate::kernels::column::{BLOCK, Column};
-use crate::kernels::sum::sum_of_squares;
-use crate::loss::{Distribution, Samples, Weights, policy_gradients, value_gradients};
+use crate::loss::Weights;
 use crate::network::{Network, Workspace};
-use crate::rollout::Rollout;
-
-/// Keeps the division by a length or a spread that is 0 finite, as stable-baselines3 has them.
-const NORM_FLOOR: f32 = 1e-6;
-const DEVIATION_FLOOR: f32 = 1e-8;
+use crate::normal::Normal;
+use crate::recipe::Recipe;
+use crate::rollout::{Rollout, Values};
 
 /// The two networks, their optimisers, and memory for a block of samples.
 #[derive(Debug)]
@@ -19,11 +21,7 @@ pub(crate) struct Learner {
     unit: VectorUnit,
     pub(crate) policy: Trainee,
     pub(crate) value: Trainee,
-    distribution: Distribution,
-    values: [Column; 1],
-    logit_gradients: Vec<Column>,
-    value_gradients: [Column; 1],
-    samples: Samples,
+    batch: Batch,
     features: Vec<f32>,
 }
 
@@ -55,76 +53,82 @@ impl Trainee {
             .step(unit, learning_rate, gradient_scale, gradients, parameters);
         self.network.renew_copies();
     }
+
+    /// Results of scaled observations `[n][feature]` by the network's one output.
+    fn evaluate(&mut self, features: &[f32], results: &mut [f32]) {
+        let Self {
+            network, workspace, ..
+        } = self;
+        let mut columns = [[0.0; BLOCK]];
+        let blocks = features.chunks(BLOCK * network.inputs());
+        for (features, results) in blocks.zip(results.chunks_mut(BLOCK)) {
+            network.forward(results.len(), features, workspace, &mut columns);
+            results.copy_from_slice(&columns[0][..results.len()]);
+        }
+    }
 }
 
-/// Numbers of the present update.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Update {
-    pub(crate) learning_rate: f32,
-    pub(crate) clip_range: f32,
-    pub(crate) entropy_coefficient: f32,
-    pub(crate) value_coefficient: f32,
-    /// Longest gradient, over both networks together.
-    pub(crate) gradient_norm: f32,
+impl Actor for &mut Trainee {
+    fn logits(&mut self, copies: Range<usize>, features: &[f32], logits: &mut [Column]) {
+        self.network
+            .forward(copies.len(), features, &mut self.workspace, logits);
+    }
+
+    /// A perceptron remembers nothing.
+    fn begin_episode(&mut self, _copy: usize) {}
+}
+
+impl Agent for Learner {
+    fn sequence(&self, _recipe: &Recipe) -> usize {
+        1
+    }
+
+    fn actor(&mut self) -> impl Actor {
+        &mut self.policy
+    }
+
+    fn estimate(&mut self, rollout: &mut Rollout, discount: f32, lambda: f32) {
+        let mut values = Values::new(rollout);
+        let value = &mut self.value;
+        value.evaluate(&rollout.truncated.features, &mut values.lost);
+        value.evaluate(&rollout.features, &mut values.samples);
+        value.evaluate(rollout.next_features(), &mut values.next);
+        rollout.estimate(&values, discount, lambda);
+    }
+
+    fn step(&mut self, rollout: &Rollout, minibatch: &[u32], update: Update) -> Result<(), f32> {
+        self.find_gradients(rollout, minibatch, update);
+        let parts: [&[f32]; 2] = [
+            &self.policy.network.gradients,
+            &self.value.network.gradients,
+        ];
+        let scale = clip_factor(self.unit, &parts, update.gradient_norm)?;
+        self.policy.step(self.unit, update.learning_rate, scale);
+        self.value.step(self.unit, update.learning_rate, scale);
+        Ok(())
+    }
 }
 
 impl Learner {
     pub(crate) fn new(unit: VectorUnit, policy: Trainee, value: Trainee) -> Self {
-        let actions = policy.network.outputs();
-        let zero = [0.0; BLOCK];
         Self {
             unit,
-            distribution: Distribution::new(actions),
-            values: [zero],
-            logit_gradients: vec![zero; actions],
-            value_gradients: [zero],
-            samples: Samples {
-                actions: zero,
-                log_probabilities: zero,
-                advantages: zero,
-                returns: zero,
-            },
+            batch: Batch::new(policy.network.outputs()),
             features: vec![0.0; BLOCK * policy.network.inputs()],
             policy,
             value,
         }
     }
 
-    /// Moves both networks by one step on these samples; an error is the length of a gradient that
-    /// is not finite.
-    pub(crate) fn step(
-        &mut self,
-        rollout: &Rollout,
-        minibatch: &[u32],
-        update: Update,
-    ) -> Result<(), f32> {
-        self.find_gradients(rollout, minibatch, update);
-        let mut squares = [0.0; 2];
-        sum_of_squares(self.unit, &self.policy.network.gradients, &mut squares[0]);
-        sum_of_squares(self.unit, &self.value.network.gradients, &mut squares[1]);
-        let norm = (squares[0] + squares[1]).sqrt();
-        if !norm.is_finite() {
-            return Err(norm);
-        }
-        let scale = (update.gradient_norm / (norm + NORM_FLOOR)).min(1.0);
-        self.policy.step(self.unit, update.learning_rate, scale);
-        self.value.step(self.unit, update.learning_rate, scale);
-        Ok(())
-    }
-
     /// Fills the gradients of both networks with those of the loss.
     pub(crate) fn find_gradients(&mut self, rollout: &Rollout, minibatch: &[u32], update: Update) {
         self.policy.network.gradients.fill(0.0);
         self.value.network.gradients.fill(0.0);
-        let weights = Weights {
-            clip_range: update.clip_range,
-            entropy_coefficient: update.entropy_coefficient,
-            value_coefficient: update.value_coefficient,
-            sample: 1.0 / minibatch.len() as f32,
-        };
-        let normal = Normal::of(minibatch.iter().map(|&i| rollout.advantages[i as usize]));
+        let weights = Weights::of(update, minibatch.len());
+        let normal = Normal::of_samples(rollout, minibatch);
         for block in minibatch.chunks(BLOCK) {
-            self.gather(rollout, block, normal);
+            rollout.gather_features(block, &mut self.features);
+            self.batch.gather(rollout, block, normal);
             self.add_gradients(block.len(), weights);
         }
     }
@@ -134,83 +138,19 @@ impl Learner {
         let Trainee {
             network, workspace, ..
         } = &mut self.policy;
-        network.forward(
-            count,
-            &self.features,
-            workspace,
-            &mut self.distribution.logits,
-        );
-        self.distribution.normalise(self.unit);
-        let gradients = &mut self.logit_gradients;
-        policy_gradients(
-            self.unit,
-            weights,
-            &self.samples,
-            &self.distribution,
-            gradients,
-        );
+        let logits = &mut self.batch.distribution.logits;
+        network.forward(count, &self.features, workspace, logits);
+        self.batch.find_logit_gradients(self.unit, weights);
+        let gradients = &self.batch.logit_gradients;
         network.backward(count, &self.features, workspace, gradients);
 
         let Trainee {
             network, workspace, ..
         } = &mut self.value;
-        network.forward(count, &self.features, workspace, &mut self.values);
-        let [gradients] = &mut self.value_gradients;
-        value_gradients(weights, &self.samples, &self.values[0], gradients);
-        network.backward(count, &self.features, workspace, &self.value_gradients);
-    }
-
-    /// Copies a block of samples out of the rollout.
-    fn gather(&mut self, rollout: &Rollout, block: &[u32], normal: Normal) {
-        let width = self.policy.network.inputs();
-        let actions = self.logit_gradients.len();
-        for (b, &sample) in block.iter().enumerate() {
-            let sample = sample as usize;
-            // Element by element: a call of `memcpy` costs more than a few numbers.
-            let features = &rollout.features[sample * width..][..width];
-            self.features[b * width..]
-                .iter_mut()
-                .zip(features)
-                .for_each(|(to, from)| *to = *from);
-            let mask = &rollout.allowed[sample * actions..][..actions];
-            for (column, allowed) in self.distribution.allowed.iter_mut().zip(mask) {
-                column[b] = *allowed;
-            }
-            self.samples.actions[b] = rollout.taken[sample];
-            self.samples.log_probabilities[b] = rollout.log_probabilities[sample];
-            self.samples.advantages[b] = normal.apply(rollout.advantages[sample]);
-            self.samples.returns[b] = rollout.returns[sample];
-        }
-    }
-}
-
-/// Brings numbers to mean 0 and standard deviation 1.
-#[derive(Debug, Clone, Copy)]
-struct Normal {
-    mean: f32,
-    factor: f32,
-}
-
-impl Normal {
-    /// A single number has no spread and stays as it is.
-    fn of(numbers: impl ExactSizeIterator<Item = f32> + Clone) -> Self {
-        let count = numbers.len() as f32;
-        if count < 2.0 {
-            return Self {
-                mean: 0.0,
-                factor: 1.0,
-            };
-        }
-        let mean = numbers.clone().sum::<f32>() / count;
-        let variance = numbers.map(|x| (x - mean) * (x - mean)).sum::<f32>() / (count - 1.0);
-        Self {
-            mean,
-            factor: 1.0 / (variance.sqrt() + DEVIATION_FLOOR),
-        }
-    }
-
-    fn apply(self, number: f32) -> f32 {
-        (number - self.mean) * self.factor
+        network.forward(count, &self.features, workspace, &mut self.batch.values);
+        self.batch.find_value_gradients(weights);
+        let gradients = &self.batch.value_gradients;
+        network.backward(count, &self.features, workspace, gradients);
     }
 }
 

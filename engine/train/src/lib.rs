@@ -8,6 +8,9 @@
 //! random numbers ([`rng`]): the same seed gives the same weights on the same vector unit.
 
 mod adam;
+mod agent;
+mod batch;
+mod clip;
 mod environment;
 mod error;
 mod gae;
@@ -17,10 +20,14 @@ mod kernels;
 mod learner;
 mod loss;
 mod network;
+mod normal;
 mod policy;
 mod ppo;
 mod progress;
 mod recipe;
+mod recurrent;
+#[cfg(test)]
+mod reference;
 pub mod rng;
 mod rollout;
 mod scaling;
@@ -34,4 +41,5 @@ pub use ppo::{Settings, Trained, train};
 pub use progress::Progress;
 pub use pubs_core::vector::VectorUnit;
 pub use recipe::{InputRange, Recipe, Schedule, UnknownRecipe};
+pub use recurrent::{Lstm, LstmLayer, RecurrentPolicy, TrainedRecurrent, train_recurrent};
 pub use scaling::InputScaling;

@@ -2,6 +2,7 @@
 
 use pubs_core::vector::{Arithmetic, VectorUnit, dispatched, exp, ln};
 
+use crate::agent::Update;
 use crate::kernels::column::{BLOCK, Column};
 
 /// Stands for the logit of an action that is masked out.
@@ -63,6 +64,18 @@ pub(crate) struct Weights {
     pub(crate) value_coefficient: f32,
     /// 1 / samples in the minibatch.
     pub(crate) sample: f32,
+}
+
+impl Weights {
+    /// For a minibatch of `samples`.
+    pub(crate) fn of(update: Update, samples: usize) -> Self {
+        Self {
+            clip_range: update.clip_range,
+            entropy_coefficient: update.entropy_coefficient,
+            value_coefficient: update.value_coefficient,
+            sample: 1.0 / samples as f32,
+        }
+    }
 }
 
 dispatched! {

@@ -1,6 +1,6 @@
 //! The trained policy, ready to be asked.
 
-use crate::kernels::column::BLOCK;
+use crate::kernels::column::{BLOCK, to_rows};
 use crate::loss::Distribution;
 use crate::network::{DenseLayer, Network, Workspace};
 use crate::scaling::InputScaling;
@@ -58,11 +58,7 @@ impl Policy {
             .zip(logits.chunks_mut(BLOCK * actions));
         for (features, logits) in blocks {
             self.forward(features);
-            for (sample, row) in logits.chunks_exact_mut(actions).enumerate() {
-                for (logit, column) in row.iter_mut().zip(&self.distribution.logits) {
-                    *logit = column[sample];
-                }
-            }
+            to_rows(&self.distribution.logits, logits);
         }
     }
 

@@ -6,9 +6,10 @@ use std::time::{Duration, Instant};
 use pubs_core::vector::VectorUnit;
 use rand::seq::SliceRandom;
 
+use crate::agent::{Agent, Update};
 use crate::environment::Environments;
 use crate::error::TrainError;
-use crate::learner::{Learner, Trainee, Update};
+use crate::learner::{Learner, Trainee};
 use crate::network::{DenseLayer, Network};
 use crate::policy::Policy;
 use crate::progress::{Episodes, Progress};
@@ -18,8 +19,8 @@ use crate::rollout::{Collector, Rollout};
 use crate::scaling::InputScaling;
 
 /// Gains of the last layers: a policy that starts nearly uniform, values of the usual size.
-const POLICY_GAIN: f64 = 0.01;
-const VALUE_GAIN: f64 = 1.0;
+pub(crate) const POLICY_GAIN: f64 = 0.01;
+pub(crate) const VALUE_GAIN: f64 = 1.0;
 
 /// Least time between two calls of the progress callback.
 const REPORT_EVERY: Duration = Duration::from_millis(250);
@@ -66,15 +67,41 @@ pub struct Trained {
 pub fn train<E: Environments>(
     environments: &mut E,
     settings: &Settings,
-    mut report: impl FnMut(&Progress) -> ControlFlow<()>,
+    report: impl FnMut(&Progress) -> ControlFlow<()>,
 ) -> Result<Trained, TrainError<E::Error>> {
     check(environments, settings)?;
+    let mut learner = new_learner(environments, settings);
+    let run = run(environments, settings, &mut learner, report)?;
+    Ok(Trained {
+        value: learner.value.network.export(),
+        policy: Policy::new(learner.policy.network, settings.scaling.clone()),
+        progress: run.progress,
+        rollout_s: run.rollout_s,
+        learning_s: run.learning_s,
+        unit: settings.unit,
+    })
+}
+
+/// How a training went.
+pub(crate) struct Run {
+    pub(crate) progress: Progress,
+    pub(crate) rollout_s: f64,
+    pub(crate) learning_s: f64,
+}
+
+/// Trains an agent with settings that were [`check`]ed.
+pub(crate) fn run<E: Environments>(
+    environments: &mut E,
+    settings: &Settings,
+    agent: &mut impl Agent,
+    mut report: impl FnMut(&Progress) -> ControlFlow<()>,
+) -> Result<Run, TrainError<E::Error>> {
     let recipe = &settings.recipe;
     let mut action_generator = stream(settings.seed, "actions");
     let mut minibatch_generator = stream(settings.seed, "minibatches");
-    let mut learner = new_learner(environments, settings);
     let mut rollout = Rollout::new(environments, recipe.rollout);
-    let mut order: Vec<u32> = (0..rollout.samples() as u32).collect();
+    let sequences = rollout.samples() / agent.sequence(recipe);
+    let mut order: Vec<u32> = (0..sequences as u32).collect();
     let mut episodes = Episodes::new(environments.count());
     let total_steps = recipe.updates() * rollout.samples();
     let start = Instant::now();
@@ -85,8 +112,7 @@ pub fn train<E: Environments>(
         let steps = update * rollout.samples();
         let collector = Collector {
             unit: settings.unit,
-            policy: &learner.policy.network,
-            workspace: &mut learner.policy.workspace,
+            actor: agent.actor(),
             scaling: &settings.scaling,
             generator: &mut action_generator,
             episodes: &mut episodes,
@@ -96,16 +122,10 @@ pub fn train<E: Environments>(
         let steps = steps + rollout.samples();
 
         let learning_start = Instant::now();
-        let value = &mut learner.value;
-        rollout.estimate(
-            &value.network,
-            &mut value.workspace,
-            settings.discount,
-            recipe.gae_lambda,
-        );
-        let numbers = numbers_of(recipe, update as f32 / recipe.updates() as f32);
+        agent.estimate(&mut rollout, settings.discount, recipe.gae_lambda);
+        let numbers = Update::at(recipe, update as f32 / recipe.updates() as f32);
         learn(
-            &mut learner,
+            agent,
             &rollout,
             &mut order,
             recipe,
@@ -127,51 +147,36 @@ pub fn train<E: Environments>(
 
     let time_s = start.elapsed().as_secs_f64();
     let learning_s = learning.as_secs_f64();
-    Ok(Trained {
-        value: learner.value.network.export(),
-        policy: Policy::new(learner.policy.network, settings.scaling.clone()),
+    Ok(Run {
         progress: episodes.progress(total_steps, total_steps, time_s),
         rollout_s: time_s - learning_s,
         learning_s,
-        unit: settings.unit,
     })
 }
 
 /// Goes over a rollout `epochs` times in random minibatches; an error is the length of a gradient
 /// that is not finite.
 fn learn(
-    learner: &mut Learner,
+    agent: &mut impl Agent,
     rollout: &Rollout,
     order: &mut [u32],
     recipe: &Recipe,
     update: Update,
     generator: &mut Generator,
 ) -> Result<(), f32> {
+    let sequences = (recipe.minibatch / agent.sequence(recipe)).max(1);
     for _ in 0..recipe.epochs {
         order.shuffle(generator);
-        for minibatch in order.chunks(recipe.minibatch) {
-            learner.step(rollout, minibatch, update)?;
+        for minibatch in order.chunks(sequences) {
+            agent.step(rollout, minibatch, update)?;
         }
     }
     Ok(())
 }
 
-/// The scheduled numbers when `done` of all updates are behind.
-fn numbers_of(recipe: &Recipe, done: f32) -> Update {
-    Update {
-        learning_rate: recipe.learning_rate.at(done),
-        clip_range: recipe.clip_range,
-        entropy_coefficient: recipe.entropy_coefficient.at(done),
-        value_coefficient: recipe.value_coefficient,
-        gradient_norm: recipe.gradient_norm,
-    }
-}
-
 fn new_learner(environments: &impl Environments, settings: &Settings) -> Learner {
     let network = |name: &str, outputs: usize, gain: f64| {
-        let mut widths = vec![environments.features()];
-        widths.extend(&settings.layers);
-        widths.push(outputs);
+        let widths = widths(environments.features(), settings, outputs);
         let mut generator = stream(settings.seed, name);
         let network = Network::new(settings.unit, &widths, gain, &mut generator);
         Trainee::new(network, settings.recipe.adam_epsilon)
@@ -181,7 +186,18 @@ fn new_learner(environments: &impl Environments, settings: &Settings) -> Learner
     Learner::new(settings.unit, policy, value)
 }
 
-fn check<E: Environments>(
+/// Widths of a perceptron from its inputs to its outputs.
+pub(crate) fn widths(inputs: usize, settings: &Settings, outputs: usize) -> Vec<usize> {
+    let hidden = settings.layers.iter().copied();
+    [inputs]
+        .into_iter()
+        .chain(hidden)
+        .chain([outputs])
+        .collect()
+}
+
+/// Refuses settings that cannot train anything, or not on these environments.
+pub(crate) fn check<E: Environments>(
     environments: &E,
     settings: &Settings,
 ) -> Result<(), TrainError<E::Error>> {

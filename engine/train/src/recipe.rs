@@ -131,6 +131,18 @@ impl Recipe {
         }
     }
 
+    /// The same for recurrent policies: more copies and shorter rollouts, so that a minibatch holds
+    /// several whole sequences, here eight of 64 steps.
+    #[must_use]
+    pub fn recurrent(self) -> Self {
+        Self {
+            environments: 32,
+            rollout: 64,
+            minibatch: 512,
+            ..self
+        }
+    }
+
     /// All recipes, the default first.
     #[must_use]
     pub fn all() -> [Self; 2] {

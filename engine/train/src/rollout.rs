@@ -3,12 +3,12 @@
 use pubs_core::vector::VectorUnit;
 use rand::RngExt;
 
+use crate::agent::Actor;
 use crate::environment::{End, Environments, StepOutcome};
 use crate::error::TrainError;
 use crate::gae::advantages;
 use crate::kernels::column::BLOCK;
 use crate::loss::Distribution;
-use crate::network::{Network, Workspace};
 use crate::progress::Episodes;
 use crate::rng::Generator;
 use crate::scaling::InputScaling;
@@ -33,18 +33,40 @@ pub(crate) struct Rollout {
     /// Advantage + value, what the value network should have said, `[sample]`.
     pub(crate) returns: Vec<f32>,
     rewards: Vec<f32>,
-    ended: Vec<bool>,
-    values: Vec<f32>,
-    truncated: Truncated,
+    /// Whether the step ended an episode, `[sample]`.
+    pub(crate) ended: Vec<bool>,
+    pub(crate) truncated: Truncated,
     present: Present,
 }
 
 /// Steps that truncated an episode.
 #[derive(Debug, Default)]
-struct Truncated {
-    samples: Vec<usize>,
+pub(crate) struct Truncated {
+    pub(crate) samples: Vec<usize>,
     /// Scaled, `[truncation][feature]`.
-    features: Vec<f32>,
+    pub(crate) features: Vec<f32>,
+}
+
+/// What the value network says of a rollout.
+#[derive(Debug)]
+pub(crate) struct Values {
+    /// Of each sample's observation, `[sample]`.
+    pub(crate) samples: Vec<f32>,
+    /// Of the last observation of each truncated episode, `[truncation]`.
+    pub(crate) lost: Vec<f32>,
+    /// Of the observation after the last step, `[environment]`.
+    pub(crate) next: Vec<f32>,
+}
+
+impl Values {
+    /// Room for the values of this rollout.
+    pub(crate) fn new(rollout: &Rollout) -> Self {
+        Self {
+            samples: vec![0.0; rollout.samples()],
+            lost: vec![0.0; rollout.truncated.samples.len()],
+            next: vec![0.0; rollout.environments],
+        }
+    }
 }
 
 /// The present step of all copies.
@@ -63,10 +85,9 @@ struct Present {
 }
 
 /// What collecting needs beside the environments.
-pub(crate) struct Collector<'a> {
+pub(crate) struct Collector<'a, A> {
     pub(crate) unit: VectorUnit,
-    pub(crate) policy: &'a Network,
-    pub(crate) workspace: &'a mut Workspace,
+    pub(crate) actor: A,
     pub(crate) scaling: &'a InputScaling,
     pub(crate) generator: &'a mut Generator,
     pub(crate) episodes: &'a mut Episodes,
@@ -91,7 +112,6 @@ impl Rollout {
             returns: vec![0.0; samples],
             rewards: vec![0.0; samples],
             ended: vec![false; samples],
-            values: vec![0.0; samples],
             truncated: Truncated::default(),
             present: Present {
                 raw: vec![0.0; count * features],
@@ -109,11 +129,37 @@ impl Rollout {
         self.taken.len()
     }
 
+    pub(crate) fn environments(&self) -> usize {
+        self.environments
+    }
+
+    /// Steps of each copy.
+    pub(crate) fn length(&self) -> usize {
+        self.length
+    }
+
+    /// The scaled observations after the last step, `[environment][feature]`.
+    pub(crate) fn next_features(&self) -> &[f32] {
+        &self.present.scaled
+    }
+
+    /// Copies the features of some samples to rows.
+    pub(crate) fn gather_features(&self, samples: &[u32], rows: &mut [f32]) {
+        let width = self.features.len() / self.samples();
+        for (&sample, row) in samples.iter().zip(rows.chunks_exact_mut(width)) {
+            let features = &self.features[sample as usize * width..][..width];
+            // Element by element: a call of `memcpy` costs more than a few numbers.
+            row.iter_mut()
+                .zip(features)
+                .for_each(|(to, from)| *to = *from);
+        }
+    }
+
     /// Steps every copy `length` times with actions drawn from the policy.
     pub(crate) fn collect<E: Environments>(
         &mut self,
         environments: &mut E,
-        mut collector: Collector<'_>,
+        mut collector: Collector<'_, impl Actor>,
     ) -> Result<(), TrainError<E::Error>> {
         self.truncated.samples.clear();
         self.truncated.features.clear();
@@ -140,7 +186,7 @@ impl Rollout {
         &mut self,
         step: usize,
         environments: &E,
-        collector: &mut Collector<'_>,
+        collector: &mut Collector<'_, impl Actor>,
     ) {
         let width = self.present.raw.len() / self.environments;
         for index in 0..self.environments {
@@ -159,6 +205,9 @@ impl Rollout {
             self.rewards[sample] = outcome.reward;
             self.ended[sample] = outcome.end.is_some();
             collector.episodes.record(index, outcome);
+            if outcome.end.is_some() {
+                collector.actor.begin_episode(index);
+            }
             if outcome.end == Some(End::Truncated) {
                 self.truncated
                     .add(sample, index, width, environments, collector.scaling);
@@ -166,26 +215,15 @@ impl Rollout {
         }
     }
 
-    /// Estimates advantages and returns with the value network.
-    pub(crate) fn estimate(
-        &mut self,
-        value: &Network,
-        workspace: &mut Workspace,
-        discount: f32,
-        lambda: f32,
-    ) {
-        let mut lost = vec![0.0; self.truncated.samples.len()];
-        evaluate(value, workspace, &self.truncated.features, &mut lost);
-        for (&sample, lost) in self.truncated.samples.iter().zip(lost) {
+    /// Estimates advantages and returns from what the value network says.
+    pub(crate) fn estimate(&mut self, values: &Values, discount: f32, lambda: f32) {
+        for (&sample, lost) in self.truncated.samples.iter().zip(&values.lost) {
             self.rewards[sample] += discount * lost;
         }
-        evaluate(value, workspace, &self.features, &mut self.values);
-        let mut next = vec![0.0; self.environments];
-        evaluate(value, workspace, &self.present.scaled, &mut next);
-        for (index, next) in next.into_iter().enumerate() {
+        for (index, next) in values.next.iter().enumerate() {
             let own = index * self.length..(index + 1) * self.length;
-            let mut values = self.values[own.clone()].to_vec();
-            values.push(next);
+            let mut values = values.samples[own.clone()].to_vec();
+            values.push(*next);
             let rewards = &self.rewards[own.clone()];
             let ended = &self.ended[own.clone()];
             advantages(
@@ -197,7 +235,7 @@ impl Rollout {
                 &mut self.advantages[own],
             );
         }
-        let pairs = self.advantages.iter().zip(&self.values);
+        let pairs = self.advantages.iter().zip(&values.samples);
         for (returns, (advantage, value)) in self.returns.iter_mut().zip(pairs) {
             *returns = advantage + value;
         }
@@ -243,7 +281,7 @@ impl Present {
         }
     }
 
-    fn draw_actions(&mut self, collector: &mut Collector<'_>) {
+    fn draw_actions(&mut self, collector: &mut Collector<'_, impl Actor>) {
         let actions = self.distribution.logits.len();
         let width = self.scaled.len() / self.actions.len();
         for first in (0..self.actions.len()).step_by(BLOCK) {
@@ -251,9 +289,7 @@ impl Present {
             let features = &self.scaled[first * width..block.end * width];
             let distribution = &mut self.distribution;
             let logits = &mut distribution.logits;
-            collector
-                .policy
-                .forward(block.len(), features, collector.workspace, logits);
+            collector.actor.logits(block.clone(), features, logits);
             for (sample, index) in block.clone().enumerate() {
                 let mask = &self.allowed[index * actions..][..actions];
                 for (column, allowed) in distribution.allowed.iter_mut().zip(mask) {
@@ -285,16 +321,4 @@ fn draw(distribution: &Distribution, sample: usize, level: f32) -> usize {
     }
     // Rounding left the sum a little below 1.
     last_possible
-}
-
-/// Values of scaled observations `[n][feature]`.
-fn evaluate(value: &Network, workspace: &mut Workspace, features: &[f32], values: &mut [f32]) {
-    let mut results = [[0.0; BLOCK]];
-    for (features, values) in features
-        .chunks(BLOCK * value.inputs())
-        .zip(values.chunks_mut(BLOCK))
-    {
-        value.forward(values.len(), features, workspace, &mut results);
-        values.copy_from_slice(&results[0][..values.len()]);
-    }
 }

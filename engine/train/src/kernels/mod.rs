@@ -2,6 +2,7 @@
 
 pub(crate) mod buffer;
 pub(crate) mod column;
+pub(crate) mod gates;
 pub(crate) mod matrix;
 pub(crate) mod sum;
 pub(crate) mod tanh;

@@ -24,7 +24,7 @@ const Q: [f32; 5] = [
 
 /// tanh x, relative error below 4e-7; NaN stays NaN.
 #[inline(always)]
-fn tanh<A: Arithmetic>(x: f32) -> f32 {
+pub(crate) fn tanh<A: Arithmetic>(x: f32) -> f32 {
     let x = x.clamp(-SATURATED, SATURATED);
     let t = x * x;
     let (mut p, mut q) = (P[0], Q[0]);
@@ -33,6 +33,12 @@ fn tanh<A: Arithmetic>(x: f32) -> f32 {
         q = A::multiply_add(q, t, Q[power]);
     }
     x * p / q
+}
+
+/// 1 / (1 + e^−x) = (1 + tanh(x/2)) / 2, absolute error below 2e-7.
+#[inline(always)]
+pub(crate) fn sigmoid<A: Arithmetic>(x: f32) -> f32 {
+    A::multiply_add(0.5, tanh::<A>(0.5 * x), 0.5)
 }
 
 dispatched! {

@@ -7,14 +7,15 @@ use crate::kernels::tanh::backward_tanh;
 
 impl Network {
     /// Adds to the gradients what follows from the gradients `[output]` of the results of the
-    /// latest [`forward`](Self::forward), which must have had the same samples and inputs.
-    pub(crate) fn backward(
+    /// latest [`forward`](Self::forward), which must have had the same samples and inputs. Gives
+    /// back the gradients of the first layer's sums.
+    pub(crate) fn backward<'w>(
         &mut self,
         samples: usize,
         inputs: &[f32],
-        workspace: &mut Workspace,
+        workspace: &'w mut Workspace,
         result_gradients: &[Column],
-    ) {
+    ) -> &'w [f32] {
         let Workspace {
             activations,
             gradients: [current, previous],
@@ -45,6 +46,21 @@ impl Network {
                 std::mem::swap(&mut current, &mut previous);
             }
         }
+        current
+    }
+
+    /// [`backward`](Self::backward), and then the gradients of the inputs `[sample][input]`, of a
+    /// network that lies [`above`](Self::above) others.
+    pub(crate) fn backward_to_inputs(
+        &mut self,
+        samples: usize,
+        inputs: &[f32],
+        workspace: &mut Workspace,
+        result_gradients: &[Column],
+        input_gradients: &mut [f32],
+    ) {
+        let gradients = self.backward(samples, inputs, workspace, result_gradients);
+        self.input_gradients(samples, &self.hidden[0], gradients, input_gradients);
     }
 
     /// The output layer's share; writes the gradients of its inputs.

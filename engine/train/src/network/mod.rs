@@ -49,7 +49,7 @@ struct Layer {
     /// In the parameters and the gradients.
     weights: Range<usize>,
     bias: Range<usize>,
-    /// In the copies; empty for the first layer, which needs none.
+    /// In the copies; empty for a layer on observations, which needs none.
     copy: Range<usize>,
 }
 
@@ -62,10 +62,31 @@ impl Network {
         output_gain: f64,
         generator: &mut impl Rng,
     ) -> Self {
+        Self::build(unit, widths, output_gain, generator, true)
+    }
+
+    /// The same on top of other layers: its inputs are padded as activations are, and
+    /// [`backward_to_inputs`](Self::backward_to_inputs) may be called.
+    pub(crate) fn above(
+        unit: VectorUnit,
+        widths: &[usize],
+        output_gain: f64,
+        generator: &mut impl Rng,
+    ) -> Self {
+        Self::build(unit, widths, output_gain, generator, false)
+    }
+
+    fn build(
+        unit: VectorUnit,
+        widths: &[usize],
+        output_gain: f64,
+        generator: &mut impl Rng,
+        on_observations: bool,
+    ) -> Self {
         let mut layout = Layout::default();
         let last = widths.len() - 2;
         let hidden = (0..last)
-            .map(|l| layout.hidden(l == 0, widths[l], widths[l + 1]))
+            .map(|l| layout.hidden(on_observations && l == 0, widths[l], widths[l + 1]))
             .collect();
         let output = layout.output(widths[last], widths[last + 1]);
         let mut network = Self {
@@ -91,7 +112,8 @@ impl Network {
 
     /// To be called after the parameters changed.
     pub(crate) fn renew_copies(&mut self) {
-        for layer in self.hidden[1..].iter().chain([&self.output]) {
+        let layers = self.hidden.iter().chain([&self.output]);
+        for layer in layers.filter(|layer| !layer.copy.is_empty()) {
             let weights = &self.parameters[layer.weights.clone()];
             let copy = &mut self.copies[layer.copy.clone()];
             transpose(self.unit, layer.rows, layer.columns, weights, copy);
@@ -165,10 +187,14 @@ struct Layout {
 }
 
 impl Layout {
-    fn hidden(&mut self, first: bool, inputs: usize, outputs: usize) -> Layer {
-        let rows = if first { inputs } else { padded(inputs) };
+    fn hidden(&mut self, on_observations: bool, inputs: usize, outputs: usize) -> Layer {
+        let rows = if on_observations {
+            inputs
+        } else {
+            padded(inputs)
+        };
         let columns = padded(outputs);
-        let copy = if first { 0 } else { rows * columns };
+        let copy = if on_observations { 0 } else { rows * columns };
         let (weights, bias) = self.parameters(rows * columns, columns);
         Layer {
             inputs,
@@ -204,7 +230,8 @@ impl Layout {
     }
 }
 
-fn take(used: &mut usize, length: usize) -> Range<usize> {
+/// Hands out the next `length` places.
+pub(crate) fn take(used: &mut usize, length: usize) -> Range<usize> {
     let start = *used;
     *used += length;
     start..*used

@@ -130,9 +130,10 @@ fn path_ends(path: &serde_json::Value, name: &str) -> bool {
 fn the_shipped_objects_are_sound() {
     let folder = tempfile::tempdir().unwrap();
     let objects = path_text(&common::root().join("objects"));
-    let report = pubs(folder.path(), &["check", &objects, "--json"])
-        .assert_code(0)
-        .json();
+    // The models of the benchmarks are loaded.
+    let plugins = path_text(common::shipped_plugins());
+    let arguments = ["check", &objects, "--plugin-dir", &plugins, "--json"];
+    let report = pubs(folder.path(), &arguments).assert_code(0).json();
     assert_eq!(report["ok"], true);
     assert_eq!(report["faults"].as_array().unwrap().len(), 0);
 }

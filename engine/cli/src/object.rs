@@ -10,6 +10,7 @@ use pubs_core::seed::stream;
 use pubs_core::task::compile;
 use pubs_host::{HostError, ParameterFault, Registry};
 
+use crate::built_in;
 use crate::failure::Failure;
 
 /// Everything that a verb needs of an object.
@@ -137,7 +138,7 @@ fn parameter_faults(loaded: &LoadedObject, task: &Task, registry: &Registry) -> 
         Err(error) => faults.push(loaded.fault(
             "observation.model",
             error.to_string(),
-            "name a plugin that `pubs-engine plugins list` shows",
+            cure(&task.observation.model),
         )),
     }
     faults.extend(driver_faults(loaded, task, registry));
@@ -152,14 +153,24 @@ fn driver_faults(loaded: &LoadedObject, task: &Task, registry: &Registry) -> Vec
                 let found = plugin.check_parameters(&driver.table);
                 faults.extend(at_their_lines(loaded, "driver", &driver.plugin, found));
             }
-            Err(error) => faults.push(loaded.fault(
-                "driver.plugin",
-                error.to_string(),
-                "name a plugin that `pubs-engine plugins list` shows",
-            )),
+            Err(error) => {
+                faults.push(loaded.fault("driver.plugin", error.to_string(), cure(&driver.plugin)))
+            }
         }
     }
     faults
+}
+
+/// What to do about a plugin that is not found.
+fn cure(plugin: &str) -> String {
+    if built_in::LOADED.contains(&plugin) {
+        format!(
+            "`{plugin}` comes with the engine as a library to be loaded: `{}` puts it beside the program",
+            built_in::BUILD_COMMAND
+        )
+    } else {
+        "name a plugin that `pubs-engine plugins list` shows".to_owned()
+    }
 }
 
 fn at_their_lines(

@@ -82,9 +82,23 @@ pub fn ramp_in_rust(folder: &Path) -> PathBuf {
     library
 }
 
+/// Where the plugins of this repository that are loaded lie, built on the first call.
+pub fn shipped_plugins() -> &'static Path {
+    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
+    FOLDER.get_or_init(|| {
+        cargo_build(&["--workspace"]);
+        build_folder()
+    })
+}
+
 /// The program with these arguments, started in `folder`, deaf to the settings of whoever runs the tests.
 pub fn command<T: AsRef<OsStr>>(folder: &Path, arguments: &[T]) -> Command {
-    let mut command = Command::new(program());
+    command_of(program(), folder, arguments)
+}
+
+/// The same of a copy of the program.
+pub fn command_of<T: AsRef<OsStr>>(program: &Path, folder: &Path, arguments: &[T]) -> Command {
+    let mut command = Command::new(program);
     command.current_dir(folder).args(arguments);
     let own = |name: &OsStr| name.to_string_lossy().starts_with("PUBS_");
     for (name, _) in std::env::vars_os().filter(|(name, _)| own(name)) {

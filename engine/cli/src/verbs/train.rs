@@ -26,7 +26,7 @@ use crate::{Ended, built_in, exit, object, show, training};
 pub struct Arguments {
     #[command(flatten)]
     object: ObjectOptions,
-    /// Train for this goal alone, as the paper [default: one policy for every goal]
+    /// Train for this goal alone, as the paper [default: one policy for every goal; on an abstract joint the goal of its file]
     #[arg(long, value_name = "GOAL", allow_hyphen_values = true)]
     goal: Option<String>,
     /// `pubs`, or a baseline on raw observations: `ppo`, `lstm1`, `lstm2`
@@ -108,7 +108,7 @@ pub fn run(arguments: &Arguments) -> Ended {
     let runtime = arguments.runtime.runtime()?;
     let joint = &ready.task.joint;
     let goal = match &arguments.goal {
-        None => None,
+        None => ready.task.default_goal,
         Some(text) => Some(parse_goal(text, joint)?),
     };
     let mut recipe: Recipe = arguments

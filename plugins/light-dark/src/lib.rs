@@ -1,0 +1,79 @@
+//! Observation model `light-dark`: the 1D Light-Dark benchmark.
+//!
+//! The state is seen directly, and the better the nearer it is to a light: one Gaussian channel
+//! `position` with mean s' and sigma = |s' − light| · slope + floor, s' being the state after the
+//! move. The defaults are those of the code behind the benchmark that the paper compares with (its
+//! reference 30): light 10, slope 1, floor 0.001.
+//!
+//! The floor keeps the density finite at the light. It is so small that one observation there names
+//! the state.
+
+use pubs_plugin::{
+    Channel, ChannelKind, ModelSetup, ObservationModel, PluginError, Support, Transitions,
+    export_observation_model,
+};
+use serde_json::Value;
+
+/// The light and how fast it fades.
+#[derive(Debug)]
+struct LightDark {
+    channels: [Channel; 1],
+    light: f32,
+    slope: f32,
+    floor: f32,
+}
+
+impl ObservationModel for LightDark {
+    const NAME: &'static str = "light-dark";
+    const VERSION: &'static str = env!("CARGO_PKG_VERSION");
+    const PARAMS_SCHEMA: &'static str = include_str!("params.schema.json");
+
+    fn create(setup: &ModelSetup) -> Result<Self, PluginError> {
+        let params = &setup.observation["params"];
+        Ok(Self {
+            channels: [Channel {
+                name: "position".to_owned(),
+                kind: ChannelKind::Gaussian,
+            }],
+            light: number(params, "light", 10.0)?,
+            slope: number(params, "slope", 1.0)?,
+            floor: number(params, "floor", 1e-3)?,
+        })
+    }
+
+    fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    fn moments(
+        &self,
+        transitions: Transitions<'_>,
+        mean: &mut [f32],
+        sigma: &mut [f32],
+    ) -> Result<Support, PluginError> {
+        mean.copy_from_slice(transitions.after);
+        for (sigma, state) in sigma.iter_mut().zip(transitions.after) {
+            *sigma = (state - self.light).abs() * self.slope + self.floor;
+        }
+        Ok(Support::Given)
+    }
+}
+
+/// A parameter, or its default where the object file leaves it out.
+fn number(params: &Value, name: &str, default: f32) -> Result<f32, PluginError> {
+    match &params[name] {
+        Value::Null => Ok(default),
+        value => match value.as_f64() {
+            Some(number) => Ok(number as f32),
+            None => Err(PluginError::new(format!(
+                "params: {name} = {value}, which is not a number"
+            ))),
+        },
+    }
+}
+
+export_observation_model!(LightDark);
+
+#[cfg(test)]
+#[path = "tests.rs"]
+mod tests;

@@ -47,6 +47,8 @@ enum Verb {
     Train(verbs::train::Arguments),
     /// Judge a policy by many simulated trials
     Evaluate(verbs::evaluate::Arguments),
+    /// Run the paper's evaluation and report it beside the paper's numbers
+    Reproduce(verbs::reproduce::Arguments),
     /// List plugins, or check one
     Plugins(verbs::plugins::Arguments),
 }
@@ -62,6 +64,7 @@ fn main() -> ExitCode {
         Verb::Survey(arguments) => verbs::survey::run(&arguments),
         Verb::Train(arguments) => verbs::train::run(&arguments),
         Verb::Evaluate(arguments) => verbs::evaluate::run(&arguments),
+        Verb::Reproduce(arguments) => verbs::reproduce::run(&arguments),
         Verb::Plugins(arguments) => verbs::plugins::run(&arguments),
     };
     match result {

@@ -6,9 +6,11 @@
 //! trials, and [`expected_of`] says what an object asks of a policy. [`trial`] is one trial, [`statistics`] its sums.
 //! [`reproduce`] is the paper's evaluation as a whole.
 
+mod alpha_decider;
 mod candidates;
 pub mod decider;
 mod evaluation;
+pub mod grid;
 mod method;
 mod network;
 mod policy_file;
@@ -17,6 +19,7 @@ pub mod statistics;
 mod training;
 pub mod trial;
 
+pub use alpha_decider::AlphaContestant;
 pub use candidates::{Candidate, TrainBestError, TrainingPlan, train_best};
 pub use evaluation::{
     Contestant, EvaluateError, Evaluation, EvaluationOptions, GoalChoice, NetworkContestant,

@@ -147,14 +147,14 @@ fn find<T: Copy>(
 }
 
 impl fmt::Display for Method {
+    /// As in the paper.
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(self.name())
-    }
-}
-
-impl fmt::Display for EntropyInput {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(self.name())
+        formatter.write_str(match self {
+            Self::Pubs => "PuBS",
+            Self::Ppo => "PPO",
+            Self::Lstm1 => "LSTM1",
+            Self::Lstm2 => "LSTM2",
+        })
     }
 }
 
@@ -202,7 +202,7 @@ mod tests {
         ];
         for (method, entropy, goals, expected) in cases {
             let found = inputs_of(method, entropy, goals, 2);
-            assert_eq!(found, expected, "{method}, entropy {entropy}, {goals:?}");
+            assert_eq!(found, expected, "{method}, entropy {entropy:?}, {goals:?}");
         }
     }
 

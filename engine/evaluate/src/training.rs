@@ -8,7 +8,7 @@ use pubs_core::belief::{BeliefError, Model, ModelError};
 use pubs_core::seed::stream;
 use pubs_policy::{Dense, Network};
 use pubs_train::surrogate::{SurrogateEnvironments, TrainingOptions};
-use pubs_train::{DenseLayer, Progress, Settings, TrainError};
+use pubs_train::{DenseLayer, Progress, Recipe, Settings, TrainError};
 
 use crate::candidates::TrainingPlan;
 use crate::method::inputs_of;
@@ -16,6 +16,12 @@ use crate::network::{features, scaling};
 
 /// Successful stops before episodes start anywhere, §IV-A.3.
 const CURRICULUM: u32 = 50;
+
+/// The recipe of a training that nobody gave one.
+pub fn default_recipe(task: &Task) -> Recipe {
+    let _ = task;
+    Recipe::standard()
+}
 
 /// A trained network and how its training went.
 #[derive(Debug, Clone)]

@@ -240,20 +240,3 @@ mod tests {
         assert_eq!(choose(&[f32::NAN; 4], 3, |_| true), 3, "all NaN");
     }
 }
-// TEMPORARY
-impl Policy {
-    /// Temporary.
-    pub fn state_width(&self) -> usize {
-        0
-    }
-    /// Temporary.
-    pub fn logits_with_state(
-        &mut self,
-        inputs: &[f32],
-        batch: usize,
-        _state: &mut [f32],
-        out: &mut Vec<f32>,
-    ) -> Result<(), RunError> {
-        self.logits(inputs, batch, out)
-    }
-}

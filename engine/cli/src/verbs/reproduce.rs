@@ -1,12 +1,14 @@
 //! `pubs-engine reproduce`: the paper's evaluation on our own objects.
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
+use pubs_core::vector::VectorUnit;
+use pubs_evaluate::reproduce::date::now;
 use pubs_evaluate::reproduce::plan::{Part, PlanOptions, plan};
 use pubs_evaluate::reproduce::report::{ReportContext, write};
 use pubs_evaluate::reproduce::runner::{self, Event};
@@ -106,26 +108,31 @@ pub fn run(arguments: &Arguments) -> Ended {
         max_steps: MAX_STEPS,
         steps: arguments.steps.map(|steps| steps as usize),
     };
-    let units = plan(&PlanOptions {
-        parts: arguments.only.iter().copied().collect::<BTreeSet<_>>(),
-        seeds: arguments.seeds,
-        recurrent_seeds: arguments.recurrent_seeds,
-        timeout_s: arguments.timeout,
-        arm_trials: arguments.trials,
-    });
+    let units = plan(&options(arguments, arguments.only.iter().copied().collect()));
     let mut summary = if arguments.report_only {
         Summary::of(&vec![None; units.len()], &units)
     } else {
         make(arguments, &workshop, &units)?
     };
     runner::heatmaps(&workshop).map_err(|error| Failure::fault(&error))?;
-    summary.report = report(&arguments.output)?;
+    summary.report = report(arguments)?;
     tell(arguments, &summary)?;
     Ok(if summary.failed.is_empty() {
         exit::DONE
     } else {
         exit::FAULT
     })
+}
+
+/// How much to run of which parts; of all where there are none.
+fn options(arguments: &Arguments, parts: BTreeSet<Part>) -> PlanOptions {
+    PlanOptions {
+        parts,
+        seeds: arguments.seeds,
+        recurrent_seeds: arguments.recurrent_seeds,
+        timeout_s: arguments.timeout,
+        arm_trials: arguments.trials,
+    }
 }
 
 /// Runs the cells with a bar over all of them.
@@ -245,7 +252,8 @@ impl Summary {
     }
 }
 
-fn report(results: &Path) -> Result<Vec<PathBuf>, Failure> {
+fn report(arguments: &Arguments) -> Result<Vec<PathBuf>, Failure> {
+    let results = &arguments.output;
     let read = Results::read(results).map_err(|error| Failure::fault(&error))?;
     for notice in read.notices() {
         show::say(&format!(
@@ -257,7 +265,10 @@ fn report(results: &Path) -> Result<Vec<PathBuf>, Failure> {
     let command: Vec<String> = std::env::args().skip(1).collect();
     let context = ReportContext {
         command: format!("pubs-engine {}", command.join(" ")),
-        ..ReportContext::default()
+        engine_version: env!("CARGO_PKG_VERSION").to_owned(),
+        vector_unit: VectorUnit::best().to_string(),
+        made_at: now(),
+        planned: plan(&options(arguments, BTreeSet::new())),
     };
     write(&read, results, &context).map_err(|error| Failure::fault(&error))
 }

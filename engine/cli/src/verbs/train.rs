@@ -160,7 +160,7 @@ fn file_name(arguments: &Arguments, object: &str, label: Option<&str>) -> String
     if arguments.method != Method::Pubs {
         variant.push(arguments.method.name().to_owned());
     } else if arguments.entropy != EntropyInput::Belief {
-        variant.push(format!("entropy_{}", arguments.entropy));
+        variant.push(format!("entropy_{}", arguments.entropy.name()));
     }
     if let Some(times) = arguments.frequency.belief_frequency {
         variant.push(format!("k{times}"));
@@ -224,7 +224,7 @@ fn text(report: &Report) -> String {
         report.method,
         match report.entropy {
             EntropyInput::Belief => String::new(),
-            other => format!(" (entropy {other})"),
+            other => format!(" (entropy {})", other.name()),
         },
         report.recipe,
         report.steps

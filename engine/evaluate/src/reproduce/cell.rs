@@ -8,6 +8,9 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+use crate::evaluation::Evaluation;
+pub use crate::method::{EntropyInput, Method};
+
 /// The goal of a training.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -20,32 +23,6 @@ pub enum GoalName {
     Closed,
     /// The goal that an abstract object's file gives.
     Own,
-}
-
-/// How a policy is trained, §IV-B.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Method {
-    /// On belief summaries.
-    Pubs,
-    /// The same network on raw observations.
-    Ppo,
-    /// One LSTM layer of 256 units, on raw observations.
-    Lstm1,
-    /// Two of them.
-    Lstm2,
-}
-
-/// What the policy sees in the place of the belief's entropy, §IV-D.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum EntropyInput {
-    /// The entropy: no ablation.
-    Belief,
-    /// A number drawn from [0, 1].
-    Random,
-    /// Nothing.
-    None,
 }
 
 /// An offline solver, §IV-C.
@@ -282,6 +259,25 @@ impl Unit {
     }
 }
 
+impl From<&Evaluation> for Figures {
+    fn from(found: &Evaluation) -> Self {
+        Self {
+            trials: found.trials,
+            mean_reward: found.mean_reward,
+            mean_reward_se: found.mean_reward_se,
+            mean_discounted_reward: found.mean_discounted_reward,
+            mean_discounted_reward_se: found.mean_discounted_reward_se,
+            success_rate: found.success_rate,
+            safety_violations: found.safety_violations,
+            time_outs: found.time_outs,
+            failed_stops: found.failed_stops,
+            mean_goal_error: found.mean_goal_error,
+            mean_steps: found.mean_steps,
+            coverage_90: found.coverage_90,
+        }
+    }
+}
+
 impl CellResult {
     /// Whether it can be the result of such a unit.
     pub fn is_of(&self, unit: &Unit) -> bool {
@@ -302,41 +298,6 @@ impl GoalName {
             Self::Middle => "middle",
             Self::Closed => "closed",
             Self::Own => "own",
-        }
-    }
-}
-
-impl Method {
-    /// As in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Pubs => "pubs",
-            Self::Ppo => "ppo",
-            Self::Lstm1 => "lstm1",
-            Self::Lstm2 => "lstm2",
-        }
-    }
-}
-
-impl fmt::Display for Method {
-    /// As in the paper.
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(match self {
-            Self::Pubs => "PuBS",
-            Self::Ppo => "PPO",
-            Self::Lstm1 => "LSTM1",
-            Self::Lstm2 => "LSTM2",
-        })
-    }
-}
-
-impl EntropyInput {
-    /// As in files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Belief => "belief",
-            Self::Random => "random",
-            Self::None => "none",
         }
     }
 }

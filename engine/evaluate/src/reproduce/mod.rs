@@ -1,12 +1,14 @@
 //! The paper's evaluation, §IV: what its parts are, and the report on them.
 //!
-//! A reproduction is made of [`cell::Cell`]s, each stored as one file of a results folder.
+//! [`plan`](mod@plan) lists the units of work, [`runner`] does them with what a
+//! [`workshop::Workshop`] has and stores each as a [`cell::Cell`], one file of a results folder.
 //! [`Results`] reads the folder; [`tables`], [`violations`], [`frequency`] and [`transfer`] make
 //! the paper's tables of it, as numbers, beside those of [`paper`]; [`report`] writes them down
 //! and draws its figures.
 
 pub mod cell;
 pub mod choices;
+pub mod date;
 mod document;
 mod figures;
 pub mod frequency;
@@ -16,13 +18,20 @@ mod markdown;
 pub mod matrix;
 mod numbers;
 pub mod paper;
+pub mod plan;
 pub mod report;
 mod results;
+mod run_arm;
+mod run_heatmap;
+mod run_solver;
+mod run_training;
+pub mod runner;
 mod sections;
 pub mod seeds;
 pub mod tables;
 pub mod transfer;
 pub mod violations;
+pub mod workshop;
 
 pub use heatmap::Heatmap;
 pub use results::{CELLS, HEATMAPS, Notice, POLICIES, Results, ResultsError};

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use pubs_core::{Joint, Task};
 use pubs_policy::{
-    Contract, Dense, Existing, Expected, ExportError, Feature, FeatureName, Network, PolicyFile,
-    Runtime,
+    Contract, Dense, Existing, Expected, ExportError, Feature, FeatureName, Method, Network,
+    PolicyFile, Runtime,
 };
 use pubs_train::Trained;
 use pubs_train::surrogate::Goals;
@@ -40,7 +40,7 @@ pub(crate) fn contract_of(
 ) -> Contract {
     let ingredients = task.policy_ingredients();
     Contract {
-        format_version: pubs_policy::FORMAT_VERSION,
+        format_version: network.format_version(),
         object: task.name.clone(),
         task_hash: pubs_policy::task_hash(&ingredients),
         task: pubs_policy::canonical_json(&ingredients),
@@ -70,6 +70,8 @@ pub(crate) fn contract_of(
         recipe: plan.recipe.name.to_owned(),
         evaluation_reward,
         engine_version: env!("CARGO_PKG_VERSION").to_owned(),
+        method: Method::Pubs,
+        state: network.state(),
     }
 }
 
@@ -111,6 +113,7 @@ pub(crate) fn network_of(task: &Task, goals: Goals, trained: &Trained) -> Networ
     });
     Network {
         inputs: inputs.collect(),
+        lstm: Vec::new(),
         layers: layers.collect(),
     }
 }
@@ -134,6 +137,7 @@ pub(crate) fn write(
     let reference = pubs_policy::Reference {
         inputs: &inputs,
         logits: &logits,
+        steps: 1,
     };
     pubs_policy::write(path, network, contract, reference, runtime, existing)
 }

@@ -21,7 +21,8 @@ use pubs_train::{Progress, Recipe};
 use crate::evaluation::{
     EvaluateError, Evaluation, EvaluationOptions, GoalChoice, NetworkContestant, evaluate,
 };
-use crate::method::{EntropyInput, Method};
+use crate::reads::EntropyInput;
+use pubs_policy::Method;
 use crate::policy_file::{contract_of, write};
 use crate::training::{TrainSeedError, TrainedSeed, train_seed};
 

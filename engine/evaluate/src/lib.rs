@@ -11,9 +11,9 @@ mod candidates;
 pub mod decider;
 mod evaluation;
 pub mod grid;
-mod method;
 mod network;
 mod policy_file;
+mod reads;
 pub mod reproduce;
 pub mod statistics;
 mod training;
@@ -25,5 +25,6 @@ pub use evaluation::{
     Contestant, EvaluateError, Evaluation, EvaluationOptions, GoalChoice, NetworkContestant,
     evaluate,
 };
-pub use method::{EntropyInput, Method, UnknownWord};
+pub use pubs_policy::Method;
+pub use reads::{EntropyInput, UnknownEntropy};
 pub use policy_file::expected_of;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use pubs_core::Task;
-use pubs_policy::{Contract, Existing, Expected, ExportError, Feature, PolicyFile, Runtime};
+use pubs_policy::{Contract, Existing, Expected, ExportError, Feature, Network, PolicyFile, Runtime};
 use pubs_train::surrogate::Goals;
 
 use crate::candidates::TrainingPlan;
@@ -11,6 +11,8 @@ use crate::training::TrainedSeed;
 
 /// Inputs on which the written file is compared with the trainer's network.
 const PROBES: usize = 1000;
+/// Of them, in the case of a recurrent network, so many are the steps of one episode.
+const PROBED_STEPS: usize = 50;
 
 /// What `task` asks of a policy, for this goal state or for any.
 pub fn expected_of(task: &Task, goal: Option<f64>) -> Expected {
@@ -36,7 +38,7 @@ pub(crate) fn contract_of(
 ) -> Contract {
     let ingredients = task.policy_ingredients();
     Contract {
-        format_version: pubs_policy::FORMAT_VERSION,
+        format_version: trained.network.format_version(),
         object: task.name.clone(),
         task_hash: pubs_policy::task_hash(&ingredients),
         task: pubs_policy::canonical_json(&ingredients),
@@ -66,6 +68,8 @@ pub(crate) fn contract_of(
         recipe: plan.recipe.name.to_owned(),
         evaluation_reward,
         engine_version: env!("CARGO_PKG_VERSION").to_owned(),
+        method: plan.method,
+        state: trained.network.state(),
     }
 }
 
@@ -79,13 +83,34 @@ pub(crate) fn write(
 ) -> Result<PolicyFile, ExportError> {
     let network = &trained.network;
     let inputs = probes(&network.inputs);
-    let mut logits = vec![0.0; PROBES * network.actions()];
-    network.forward(&inputs, &mut logits);
+    let steps = match network.state_width() {
+        0 => 1,
+        _ => PROBED_STEPS,
+    };
+    let logits = logits_of(network, &inputs, steps);
     let reference = pubs_policy::Reference {
         inputs: &inputs,
         logits: &logits,
+        steps,
     };
     pubs_policy::write(path, network, contract, reference, runtime, existing)
+}
+
+/// The network's own logits, `[row][actions]`, for episodes of so many steps.
+fn logits_of(network: &Network, inputs: &[f32], steps: usize) -> Vec<f32> {
+    let (width, actions) = (network.inputs.len(), network.actions());
+    let mut logits = vec![0.0; inputs.len() / width * actions];
+    let mut state = vec![0.0; network.state_width()];
+    let rows = inputs
+        .chunks_exact(width)
+        .zip(logits.chunks_exact_mut(actions));
+    for (step, (row, out)) in rows.enumerate() {
+        if step % steps == 0 {
+            state.fill(0.0);
+        }
+        network.forward_with_state(row, &mut state, out);
+    }
+    logits
 }
 
 /// Inputs spread over their ranges (additive recurrences of the generalised golden ratio, which

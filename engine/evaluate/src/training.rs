@@ -6,12 +6,12 @@ use std::sync::Arc;
 use pubs_core::Task;
 use pubs_core::belief::{BeliefError, Model, ModelError};
 use pubs_core::seed::stream;
-use pubs_policy::{Dense, Network};
+use pubs_policy::{Dense, LstmCell, Network};
 use pubs_train::surrogate::{SurrogateEnvironments, TrainingOptions};
-use pubs_train::{DenseLayer, Progress, Recipe, Settings, TrainError};
+use pubs_train::{DenseLayer, Lstm, LstmLayer, Progress, Recipe, Settings, TrainError};
 
 use crate::candidates::TrainingPlan;
-use crate::method::inputs_of;
+use crate::reads::{LSTM_WIDTH, inputs_of};
 use crate::network::{features, scaling};
 
 /// Successful stops before episodes start anywhere, §IV-A.3.
@@ -60,7 +60,10 @@ pub fn train_seed(
     let channels = model.channels().len();
     let inputs = inputs_of(plan.method, plan.entropy, plan.goals, channels);
     let inputs_named = features(task, model.as_ref(), &inputs, plan.recipe.input_range)?;
-    let recipe = plan.recipe.clone();
+    let recipe = match plan.method.lstm_layers() {
+        0 => plan.recipe.clone(),
+        _ => plan.recipe.clone().recurrent(),
+    };
     let options = TrainingOptions {
         goals: plan.goals,
         inputs: inputs.into(),
@@ -79,12 +82,26 @@ pub fn train_seed(
         seed,
         unit: pubs_train::VectorUnit::best(),
     };
-    let trained = pubs_train::train(&mut environments, &settings, report)?;
+    let network = |lstm: Vec<LstmLayer>, layers: Vec<DenseLayer>| Network {
+        inputs: inputs_named.clone(),
+        lstm: lstm.into_iter().map(cell).collect(),
+        layers: layers.into_iter().map(dense).collect(),
+    };
+    let lstm = Lstm {
+        layers: plan.method.lstm_layers(),
+        width: LSTM_WIDTH,
+    };
+    if lstm.layers == 0 {
+        let trained = pubs_train::train(&mut environments, &settings, report)?;
+        return Ok(TrainedSeed {
+            network: network(Vec::new(), trained.policy.layers()),
+            progress: trained.progress,
+            learning_s: trained.learning_s,
+        });
+    }
+    let trained = pubs_train::train_recurrent(&mut environments, &settings, lstm, report)?;
     Ok(TrainedSeed {
-        network: Network {
-            inputs: inputs_named,
-            layers: trained.policy.layers().into_iter().map(dense).collect(),
-        },
+        network: network(trained.policy.lstm(), trained.policy.layers()),
         progress: trained.progress,
         learning_s: trained.learning_s,
     })
@@ -95,6 +112,16 @@ fn dense(layer: DenseLayer) -> Dense {
         inputs: layer.inputs,
         outputs: layer.outputs,
         weights: layer.weights,
+        bias: layer.bias,
+    }
+}
+
+fn cell(layer: LstmLayer) -> LstmCell {
+    LstmCell {
+        inputs: layer.inputs,
+        width: layer.width,
+        weights_input: layer.weights_input,
+        weights_hidden: layer.weights_hidden,
         bias: layer.bias,
     }
 }

@@ -8,34 +8,44 @@ mod common;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use common::{WIDTHS, inputs, network};
-use pubs_policy::Runtime;
+use common::{WIDTHS, inputs, network, recurrent};
+use pubs_policy::{Network, Runtime};
 
 fn main() {
     let library = std::env::var_os("ORT_DYLIB_PATH")
         .filter(|path| !path.is_empty())
         .map(PathBuf::from);
     let runtime = Runtime::from_library(library.as_deref()).unwrap();
-    let directory = tempfile::tempdir().unwrap();
-    let network = network(1, &WIDTHS);
-    let (file, _) = common::written(directory.path(), &network, &runtime);
-    let opening = report("open the file", 50, 1, || {
-        drop(file.open(&runtime).unwrap())
-    });
-    println!("{runtime}: open a checked file, {:.0} us", opening);
+    measure("perceptron", &network(1, &WIDTHS), &runtime);
+    measure("lstm1", &recurrent(1, &[256]), &runtime);
+    measure("lstm2", &recurrent(1, &[256, 256]), &runtime);
+}
 
-    let mut policy = file.open(&runtime).unwrap();
+fn measure(kind: &str, network: &Network, runtime: &Runtime) {
+    let directory = tempfile::tempdir().unwrap();
+    let (file, _) = common::written(directory.path(), network, runtime);
+    let opening = report("open the file", 50, 1, || drop(file.open(runtime).unwrap()));
+    println!("{kind}, {runtime}: open a checked file, {opening:.0} us");
+
+    let mut policy = file.open(runtime).unwrap();
     let mut out = Vec::new();
-    for (rows, runs) in [(1, 20_000), (1024, 1_000)] {
-        let inputs = inputs(2, &network, rows);
+    // Recurrent rows take a hundred times as long.
+    let share = if network.lstm.is_empty() { 1 } else { 20 };
+    for (rows, runs) in [(1, 20_000 / share), (1024, 1_000 / share)] {
+        let inputs = inputs(2, network, rows);
         let mut plain = vec![0.0; rows * network.actions()];
+        let mut state = vec![0.0; rows * network.state_width()];
         let run = report("runtime", runs, rows, || {
-            policy.logits(&inputs, rows, &mut out).unwrap()
+            policy
+                .logits_with_state(&inputs, rows, &mut state, &mut out)
+                .unwrap()
         });
         let loops = report("plain loops", runs, rows, || {
-            network.forward(&inputs, &mut plain)
+            network.forward_with_state(&inputs, &mut state, &mut plain)
         });
-        println!("{runtime}: batch {rows}, {run:.3} us per row; plain loops {loops:.3} us per row");
+        println!(
+            "{kind}, {runtime}: batch {rows}, {run:.3} us per row; plain loops {loops:.3} us per row"
+        );
     }
 }
 

@@ -1,6 +1,8 @@
 //! What a policy file promises: the metadata under the prefix `pubs.`.
 
 use std::collections::BTreeMap;
+use std::fmt;
+use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -9,8 +11,15 @@ use crate::feature::UNITS;
 use crate::hash::{canonical_json, task_hash};
 use crate::{Fault, Feature};
 
-/// The version of the contract that this engine writes and reads.
+/// The version of the contract of a perceptron's policy.
 pub const FORMAT_VERSION: u32 = 1;
+/// The version of the contract of a recurrent policy: an engine that knows nothing of its state
+/// must not run it, and refuses it by this number.
+pub const RECURRENT_FORMAT_VERSION: u32 = 2;
+/// The versions that this engine reads.
+const KNOWN_VERSIONS: RangeInclusive<u64> = FORMAT_VERSION as u64..=RECURRENT_FORMAT_VERSION as u64;
+/// Far above any policy; keeps a wrong file from filling the memory.
+const WIDEST_STATE: usize = 1 << 20;
 /// What the metadata keys begin with. Each value is JSON.
 pub const PREFIX: &str = "pubs.";
 
@@ -18,7 +27,7 @@ pub const PREFIX: &str = "pubs.";
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Contract {
-    /// [`FORMAT_VERSION`].
+    /// [`FORMAT_VERSION`], or [`RECURRENT_FORMAT_VERSION`] where there is a state.
     pub format_version: u32,
     /// The object it was trained for.
     pub object: String,
@@ -52,6 +61,41 @@ pub struct Contract {
     pub evaluation_reward: f64,
     /// The engine that trained it.
     pub engine_version: String,
+    /// How it was trained; a file that does not say was trained by [`Method::Pubs`].
+    #[serde(default, skip_serializing_if = "Method::is_pubs")]
+    pub method: Method,
+    /// What a recurrent policy carries from step to step; a perceptron's file has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub state: Option<State>,
+}
+
+/// The state of a recurrent policy. A row of it holds, LSTM layer by LSTM layer from the first,
+/// the layer's last output h and then its cell c; all zeros where an episode begins.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct State {
+    /// Width of each LSTM layer, at least one.
+    pub lstm: Vec<usize>,
+}
+
+impl State {
+    /// Numbers in a row: `Σ 2 · width`.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.lstm.iter().fold(0, |sum: usize, width| {
+            sum.saturating_add(width.saturating_mul(2))
+        })
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let lstm = &self.lstm;
+        if lstm.is_empty() || lstm.contains(&0) || self.width() > WIDEST_STATE {
+            return Err(format!(
+                "has a state of LSTM layers {lstm:?}; each needs a width, all together at most {WIDEST_STATE} numbers"
+            ));
+        }
+        Ok(())
+    }
 }
 
 /// The goal of a policy.
@@ -129,7 +173,28 @@ impl Contract {
                 "names the input {name:?}, which does not read back"
             ));
         }
+        self.check_state()?;
         self.check_task()
+    }
+
+    fn check_state(&self) -> Result<(), String> {
+        let wanted = match &self.state {
+            None => FORMAT_VERSION,
+            Some(state) => {
+                state.check()?;
+                RECURRENT_FORMAT_VERSION
+            }
+        };
+        if self.format_version == wanted {
+            return Ok(());
+        }
+        let (found, kind) = (
+            self.format_version,
+            ["without", "with"][usize::from(self.state.is_some())],
+        );
+        Err(format!(
+            "has version {found}, but is one {kind} a state, which is version {wanted}"
+        ))
     }
 
     fn check_task(&self) -> Result<(), String> {
@@ -196,10 +261,10 @@ impl Contract {
 pub(crate) fn check_version(entries: &BTreeMap<&str, &str>) -> Result<(), Fault> {
     let found = *entries.get("format_version").ok_or(Fault::NoContract)?;
     match found.parse::<u64>() {
-        Ok(version) if version == u64::from(FORMAT_VERSION) => Ok(()),
+        Ok(version) if KNOWN_VERSIONS.contains(&version) => Ok(()),
         Ok(version) => Err(Fault::FormatVersion {
             found: version,
-            newer: version > u64::from(FORMAT_VERSION),
+            newer: version > *KNOWN_VERSIONS.end(),
         }),
         Err(_) => Err(Fault::Contract(format!(
             "has format_version = {found:?}, which is no number"

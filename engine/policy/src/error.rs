@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::compare::Mismatch;
-use crate::contract::FORMAT_VERSION;
+use crate::contract::{FORMAT_VERSION, RECURRENT_FORMAT_VERSION};
 
 /// A policy file that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -51,7 +51,7 @@ pub enum Fault {
     )]
     NoContract,
     /// Written by an older or newer engine.
-    #[error("has contract version {found}, this engine reads version {FORMAT_VERSION}; {}", cure(*.newer))]
+    #[error("has contract version {found}, this engine reads versions {FORMAT_VERSION} to {RECURRENT_FORMAT_VERSION}; {}", cure(*.newer))]
     FormatVersion {
         /// The version in the file.
         found: u64,

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
-use crate::{Contract, Network, NetworkError, PolicyError, PolicyFile, RunError, Runtime, seal};
+mod verify;
 
-/// Largest difference of a logit between the trainer and the file.
-pub const TOLERANCE: f32 = 1e-4;
+pub use verify::TOLERANCE;
+
+use crate::{Contract, Network, NetworkError, PolicyError, PolicyFile, RunError, Runtime, seal};
 
 /// What the trainer's own network computed, to hold the file against.
 #[derive(Debug, Clone, Copy)]
@@ -18,6 +19,10 @@ pub struct Reference<'a> {
     pub inputs: &'a [f32],
     /// `[rows][actions]`.
     pub logits: &'a [f32],
+    /// So many rows, one after the other, are the steps of one episode, which begins with a state
+    /// of zeros and hands it on. 1 for a perceptron; at least 2 for a recurrent network, whose
+    /// state is held against that of [`Network::forward_with_state`] after each step.
+    pub steps: usize,
 }
 
 /// What to do where a file of that name exists and differs.
@@ -49,7 +54,7 @@ pub enum ExportError {
         fault: String,
     },
     /// The reference has no rows, or half ones.
-    #[error("cannot check {}: {inputs} reference inputs and {logits} logits are not whole rows of both", path.display())]
+    #[error("cannot check {}: {inputs} reference inputs and {logits} logits are not whole rows of both, {steps} to an episode", path.display())]
     Reference {
         /// The file wanted.
         path: PathBuf,
@@ -57,6 +62,14 @@ pub enum ExportError {
         inputs: usize,
         /// Numbers given.
         logits: usize,
+        /// Rows per episode given.
+        steps: usize,
+    },
+    /// An episode of one step says nothing of the state's weights.
+    #[error("cannot check {}: a recurrent policy needs reference episodes of two steps or more", path.display())]
+    ReferenceSteps {
+        /// The file wanted.
+        path: PathBuf,
     },
     /// A different file is there.
     #[error("{} exists and differs; remove it or write elsewhere", path.display())]
@@ -116,12 +129,13 @@ pub fn write(
         });
     }
     let temporary = write_beside(path, &bytes).map_err(|source| io(path, source))?;
-    verify(
-        path,
-        &PolicyFile::read(temporary.path())?,
-        reference,
-        runtime,
-    )?;
+    let policy = PolicyFile::read(temporary.path())?.open(runtime)?;
+    if let Some(difference) = verify::verify(policy, network, reference)? {
+        return Err(ExportError::Differs {
+            path: path.to_owned(),
+            difference: format!("{difference} in {runtime}"),
+        });
+    }
     place(temporary, path, &bytes, existing)?;
     Ok(PolicyFile::read(path)?)
 }
@@ -147,13 +161,18 @@ fn check(
         return Err(ExportError::Contract { path, fault });
     }
     let (inputs, logits) = (reference.inputs.len(), reference.logits.len());
-    let rows = inputs / network.inputs.len();
-    if rows == 0 || rows * network.inputs.len() != inputs || rows * network.actions() != logits {
+    let (rows, steps) = (inputs / network.inputs.len(), reference.steps);
+    let whole = rows * network.inputs.len() == inputs && rows * network.actions() == logits;
+    if rows == 0 || !whole || steps == 0 || !rows.is_multiple_of(steps) {
         return Err(ExportError::Reference {
             path,
             inputs,
             logits,
+            steps,
         });
+    }
+    if network.state_width() > 0 && steps < 2 {
+        return Err(ExportError::ReferenceSteps { path });
     }
     Ok(())
 }
@@ -168,11 +187,8 @@ fn fits(network: &Network, contract: &Contract) -> Result<(), String> {
             "names {named} actions, the network has {outputs} outputs"
         ));
     }
-    if contract.format_version != crate::contract::FORMAT_VERSION {
-        return Err(format!(
-            "has version {}, which this engine does not write",
-            contract.format_version
-        ));
+    if contract.state != network.state() {
+        return Err("says another state than the network has".into());
     }
     Ok(())
 }
@@ -235,64 +251,5 @@ fn place(
             path: path.to_owned(),
         }),
         Err(fault) => Err(io(path, fault.error)),
-    }
-}
-
-fn verify(
-    path: &Path,
-    file: &PolicyFile,
-    reference: Reference,
-    runtime: &Runtime,
-) -> Result<(), ExportError> {
-    let mut policy = file.open(runtime)?;
-    let (features, actions) = (policy.features(), policy.actions());
-    let mut logits = Vec::new();
-    policy.logits(
-        reference.inputs,
-        reference.inputs.len() / features,
-        &mut logits,
-    )?;
-    let rows = reference
-        .logits
-        .chunks_exact(actions)
-        .zip(logits.chunks_exact(actions));
-    for ((wanted, found), input) in rows.zip(reference.inputs.chunks_exact(features)) {
-        if !agree(wanted, found) {
-            let difference =
-                format!("for input {input:?} the trainer gives {wanted:?}, {runtime} {found:?}");
-            return Err(ExportError::Differs {
-                path: path.to_owned(),
-                difference,
-            });
-        }
-    }
-    Ok(())
-}
-
-/// Logits this close choose the same action wherever the best leads by more than twice
-/// [`TOLERANCE`]. Written so that NaN on either side disagrees.
-fn agree(wanted: &[f32], found: &[f32]) -> bool {
-    wanted
-        .iter()
-        .zip(found)
-        .all(|(wanted, found)| (wanted - found).abs() <= TOLERANCE)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::agree;
-
-    #[test]
-    fn agreement_by_hand() {
-        let cases = [
-            (&[1.0, 0.0][..], &[1.000_05, 0.0][..], true),
-            (&[1.0, 0.0], &[1.000_2, 0.0], false),
-            (&[1.0, 0.999_99], &[0.999_96, 1.0], true),
-            (&[f32::NAN, 0.0], &[f32::NAN, 0.0], false),
-            (&[1.0, 0.0], &[f32::NAN, 0.0], false),
-        ];
-        for (wanted, found, expected) in cases {
-            assert_eq!(agree(wanted, found), expected, "{wanted:?} {found:?}");
-        }
     }
 }

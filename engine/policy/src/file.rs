@@ -7,9 +7,10 @@ use std::sync::Arc;
 
 use crate::contract::Contract;
 use crate::error::{Fault, PolicyError};
-use crate::onnx::{self, Model, ValueInfo};
-use crate::policy::{Layout, Policy};
-use crate::{Expected, FeatureName, Runtime, Warning, seal};
+use crate::layout::Layout;
+use crate::onnx::Model;
+use crate::policy::Policy;
+use crate::{Expected, FeatureName, Runtime, State, Warning, seal};
 
 /// File formats that both runtimes read.
 const IR_VERSIONS: std::ops::RangeInclusive<u64> = 3..=13;
@@ -41,7 +42,8 @@ impl PolicyFile {
     }
 
     /// Reads a file of another trainer: one float32 input `[batch, inputs]` in SI, unscaled, and
-    /// one output `[batch, actions]`.
+    /// one output `[batch, actions]`. One that carries a state is not supported: nothing says how
+    /// its tensors lie and where an episode begins.
     ///
     /// # Errors
     /// Where it is not readable, damaged, of unknown operators, or of another shape.
@@ -50,11 +52,19 @@ impl PolicyFile {
         inputs: &[FeatureName],
         actions: usize,
     ) -> Result<Self, PolicyError> {
-        let read = || {
+        let read = || -> Result<Self, Fault> {
             let bytes = read(path)?;
             let model = checked_model(&bytes)?;
             finite(&model)?;
-            Self::assemble(path, bytes, &model, None, inputs.to_vec(), actions)
+            let layout = Layout::of_foreign(&model, inputs.len(), actions)?;
+            Ok(Self::assemble(
+                path,
+                bytes,
+                &model,
+                None,
+                inputs.to_vec(),
+                layout,
+            ))
         };
         read().map_err(|fault| fault.of(path))
     }
@@ -63,15 +73,21 @@ impl PolicyFile {
         let model = checked_model(&bytes)?;
         let contract = seal::open(&model)?;
         finite(&model)?;
-        named(&model.inputs, onnx::INPUT, "input")?;
-        named(&model.outputs, onnx::OUTPUT, "output")?;
-        let inputs = contract
+        let inputs: Vec<FeatureName> = contract
             .inputs
             .iter()
             .map(|feature| feature.name.clone())
             .collect();
-        let actions = contract.actions.len();
-        Self::assemble(path, bytes, &model, Some(contract), inputs, actions)
+        let state = contract.state.as_ref().map_or(0, State::width);
+        let layout = Layout::of_ours(&model, inputs.len(), contract.actions.len(), state)?;
+        Ok(Self::assemble(
+            path,
+            bytes,
+            &model,
+            Some(contract),
+            inputs,
+            layout,
+        ))
     }
 
     fn assemble(
@@ -80,18 +96,16 @@ impl PolicyFile {
         model: &Model,
         contract: Option<Contract>,
         inputs: Vec<FeatureName>,
-        actions: usize,
-    ) -> Result<Self, Fault> {
-        let layout = layout(model, inputs.len(), actions)?;
-        let sha256 = model.weights_sha256.clone();
-        Ok(Self {
+        layout: Layout,
+    ) -> Self {
+        Self {
             path: path.to_owned(),
             bytes: bytes.into(),
             contract,
             inputs,
             layout,
-            sha256,
-        })
+            sha256: model.weights_sha256.clone(),
+        }
     }
 
     /// Where it was read from.
@@ -116,6 +130,12 @@ impl PolicyFile {
     #[must_use]
     pub fn actions(&self) -> usize {
         self.layout.actions
+    }
+
+    /// Numbers that it carries from step to step; 0 for a perceptron.
+    #[must_use]
+    pub fn state_width(&self) -> usize {
+        self.layout.state
     }
 
     /// The sha256 of its weights: its name in logs.
@@ -154,8 +174,9 @@ impl PolicyFile {
         let session = runtime.session(&self.bytes).map_err(refused)?;
         let mut policy = Policy::new(session, self.layout);
         let middle = vec![0.5; self.layout.features];
+        let mut start = vec![0.0; self.layout.state];
         policy
-            .logits(&middle, 1, &mut Vec::new())
+            .logits_with_state(&middle, 1, &mut start, &mut Vec::new())
             .map_err(|fault| refused(fault.to_string()))?;
         Ok(policy)
     }
@@ -194,69 +215,6 @@ fn finite(model: &Model) -> Result<(), Fault> {
         .not_finite
         .clone()
         .map_or(Ok(()), |described| Err(Fault::NotFinite(described)))
-}
-
-fn named(values: &[ValueInfo], name: &str, kind: &str) -> Result<(), Fault> {
-    if values.iter().any(|value| value.name == name) {
-        return Ok(());
-    }
-    Err(Fault::Shape(format!("has no {kind} named {name:?}")))
-}
-
-fn layout(model: &Model, features: usize, actions: usize) -> Result<Layout, Fault> {
-    let rows = sole(&model.inputs, "input", features)?;
-    sole(&model.outputs, "output", actions)?;
-    if features == 0 || actions == 0 {
-        return Err(Fault::Shape(
-            "needs at least one input and one action".into(),
-        ));
-    }
-    Ok(Layout {
-        features,
-        actions,
-        single_rows: rows == Some(1),
-    })
-}
-
-/// The only value, float32 and `[batch, width]`; gives the batch where the file fixes it.
-fn sole(values: &[ValueInfo], kind: &str, width: usize) -> Result<Option<u64>, Fault> {
-    let [value] = values else {
-        let names: Vec<&str> = values.iter().map(|value| value.name.as_str()).collect();
-        return Err(Fault::Shape(format!(
-            "has {} {kind}s {names:?}, not one",
-            names.len()
-        )));
-    };
-    let name = &value.name;
-    if !value.float32 {
-        return Err(Fault::Shape(format!(
-            "has an {kind} {name:?} that is not float32"
-        )));
-    }
-    match value.shape.as_deref() {
-        Some([batch, columns]) if columns.is_none_or(|columns| columns == width as u64) => {
-            match batch {
-                None | Some(1) => Ok(*batch),
-                Some(rows) => Err(Fault::Shape(format!(
-                    "takes {rows} rows at once, not one or any number"
-                ))),
-            }
-        }
-        shape => {
-            let found = shape.map_or("unknown".to_owned(), described);
-            Err(Fault::Shape(format!(
-                "has an {kind} {name:?} of shape {found}, not [batch, {width}]"
-            )))
-        }
-    }
-}
-
-fn described(shape: &[Option<u64>]) -> String {
-    let sizes: Vec<String> = shape
-        .iter()
-        .map(|size| size.map_or("any".to_owned(), |size| size.to_string()))
-        .collect();
-    format!("[{}]", sizes.join(", "))
 }
 
 #[cfg(test)]

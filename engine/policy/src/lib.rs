@@ -14,6 +14,10 @@
 #[cfg(test)]
 extern crate self as pubs_policy;
 
+#[cfg(test)]
+#[path = "../tests/common/mod.rs"]
+mod common;
+
 pub mod compare;
 pub mod contract;
 pub mod error;
@@ -21,6 +25,9 @@ pub mod export;
 pub mod feature;
 pub mod file;
 mod hash;
+mod layout;
+pub mod lstm;
+pub mod method;
 pub mod network;
 pub mod onnx;
 pub mod policy;
@@ -28,12 +35,16 @@ pub mod runtime;
 mod seal;
 
 pub use compare::{Expected, Mismatch, Warning};
-pub use contract::{Contract, FORMAT_VERSION, Goal, Shield};
+pub use contract::{
+    Contract, FORMAT_VERSION, Goal, RECURRENT_FORMAT_VERSION, Shield, State,
+};
 pub use error::{Fault, PolicyError};
 pub use export::{Existing, ExportError, Reference, write};
 pub use feature::{Feature, FeatureName};
 pub use file::PolicyFile;
 pub use hash::{canonical_json, sha256_hex, task_hash};
+pub use lstm::LstmCell;
+pub use method::{Method, UnknownMethod};
 pub use network::{Dense, Network, NetworkError};
 pub use policy::{Policy, RunError, choose};
 pub use runtime::{Runtime, RuntimeError};

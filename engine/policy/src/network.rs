@@ -1,12 +1,15 @@
-//! A multilayer perceptron as the trainer hands it over.
+//! A network as the trainer hands it over: a perceptron, recurrent where LSTM layers stand before it.
 
-use crate::Feature;
+use crate::contract::{FORMAT_VERSION, RECURRENT_FORMAT_VERSION};
+use crate::{Feature, LstmCell, State};
 
-/// Tanh layers, the last one linear: its outputs are the logits, one per action.
+/// LSTM layers, then tanh layers, the last one linear: its outputs are the logits, one per action.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Network {
     /// The inputs in order, with their scaling.
     pub inputs: Vec<Feature>,
+    /// The scaled inputs go through these first; none in a perceptron.
+    pub lstm: Vec<LstmCell>,
     /// At least one layer; tanh follows each but the last.
     pub layers: Vec<Dense>,
 }
@@ -31,21 +34,21 @@ pub enum NetworkError {
     #[error("the network has no {0}")]
     Empty(&'static str),
     /// Two neighbours do not fit.
-    #[error("layer {layer} takes {found} values, but {wanted} come in")]
+    #[error("{place} takes {found} values, but {wanted} come in")]
     Width {
-        /// Counted from 0.
-        layer: usize,
+        /// `layer` or `LSTM layer`, and its index from 0.
+        place: String,
         /// What the layer says.
         found: usize,
         /// What comes in.
         wanted: usize,
     },
     /// An array is too short or too long.
-    #[error("layer {layer} has {found} {array}, not {wanted}")]
+    #[error("{place} has {found} {array}, not {wanted}")]
     Length {
-        /// Counted from 0.
-        layer: usize,
-        /// `weights` or `biases`.
+        /// `layer` or `LSTM layer`, and its index from 0.
+        place: String,
+        /// `weights`, `biases` and the like.
         array: &'static str,
         /// How many there are.
         found: usize,
@@ -64,6 +67,29 @@ impl Network {
         self.layers.last().map_or(0, |layer| layer.outputs)
     }
 
+    /// What the contract of its policy says of its state; `None` for a perceptron.
+    #[must_use]
+    pub fn state(&self) -> Option<State> {
+        let lstm: Vec<usize> = self.lstm.iter().map(|layer| layer.width).collect();
+        (!lstm.is_empty()).then_some(State { lstm })
+    }
+
+    /// Numbers that it carries from step to step; 0 for a perceptron.
+    #[must_use]
+    pub fn state_width(&self) -> usize {
+        self.lstm.iter().map(|layer| 2 * layer.width).sum()
+    }
+
+    /// The version of the contract of its policy.
+    #[must_use]
+    pub fn format_version(&self) -> u32 {
+        if self.lstm.is_empty() {
+            FORMAT_VERSION
+        } else {
+            RECURRENT_FORMAT_VERSION
+        }
+    }
+
     /// Checks that the layers fit together and every number is finite.
     ///
     /// # Errors
@@ -79,6 +105,10 @@ impl Network {
             check_scaling(feature)?;
         }
         let mut width = self.inputs.len();
+        for (index, layer) in self.lstm.iter().enumerate() {
+            layer.check(index, width)?;
+            width = layer.width;
+        }
         for (index, layer) in self.layers.iter().enumerate() {
             layer.check(index, width)?;
             width = layer.outputs;
@@ -86,30 +116,47 @@ impl Network {
         Ok(())
     }
 
-    /// The plain forward pass, for comparison with what a runtime makes of the file.
+    /// The plain forward pass of a perceptron, for comparison with what a runtime makes of the file.
     ///
     /// `input` is `[rows][inputs]` in SI, `logits` is `[rows][actions]`.
     ///
     /// # Panics
-    /// Where the slices do not fit, or the network fails [`Network::check`].
+    /// Where the slices do not fit, the network is recurrent or fails [`Network::check`].
     pub fn forward(&self, input: &[f32], logits: &mut [f32]) {
-        assert_eq!(
-            input.len() * self.actions(),
-            logits.len() * self.inputs.len(),
-            "rows of input and logits"
-        );
-        let rows = input.chunks_exact(self.inputs.len());
-        for (row, out) in rows.zip(logits.chunks_exact_mut(self.actions())) {
-            out.copy_from_slice(&self.forward_row(row));
+        self.forward_with_state(input, &mut [], logits);
+    }
+
+    /// One step of as many episodes as there are rows, of any network.
+    ///
+    /// `input` is `[rows][inputs]` in SI, `logits` is `[rows][actions]`; `state` is
+    /// `[rows][state_width]`, laid out as [`State`] says, all zeros where an episode begins, and
+    /// becomes that of the next step.
+    ///
+    /// # Panics
+    /// Where the slices do not fit, or the network fails [`Network::check`].
+    pub fn forward_with_state(&self, input: &[f32], state: &mut [f32], logits: &mut [f32]) {
+        let (rows, width) = (input.len() / self.inputs.len(), self.state_width());
+        let lengths = [input.len(), logits.len(), state.len()];
+        let wanted = [self.inputs.len(), self.actions(), width].map(|width| rows * width);
+        assert_eq!(lengths, wanted, "rows of input, logits and state");
+        for (row, input) in input.chunks_exact(self.inputs.len()).enumerate() {
+            let values = self.forward_row(input, &mut state[row * width..][..width]);
+            logits[row * self.actions()..][..self.actions()].copy_from_slice(&values);
         }
     }
 
-    fn forward_row(&self, row: &[f32]) -> Vec<f32> {
+    fn forward_row(&self, row: &[f32], mut state: &mut [f32]) -> Vec<f32> {
         let mut values: Vec<f32> = row
             .iter()
             .zip(&self.inputs)
             .map(|(x, feature)| (x - feature.offset as f32) * feature.scale as f32)
             .collect();
+        for layer in &self.lstm {
+            let (own, rest) = state.split_at_mut(2 * layer.width);
+            layer.step(&values, own);
+            values = own[..layer.width].to_vec();
+            state = rest;
+        }
         for (index, layer) in self.layers.iter().enumerate() {
             values = layer.forward(&values);
             if index + 1 < self.layers.len() {
@@ -133,9 +180,10 @@ impl Dense {
     }
 
     fn check(&self, layer: usize, width: usize) -> Result<(), NetworkError> {
+        let place = format!("layer {layer}");
         if self.inputs != width {
             return Err(NetworkError::Width {
-                layer,
+                place,
                 found: self.inputs,
                 wanted: width,
             });
@@ -148,23 +196,35 @@ impl Dense {
             ("biases", &self.bias, self.outputs),
         ];
         for (array, values, wanted) in arrays {
-            if values.len() != wanted {
-                return Err(NetworkError::Length {
-                    layer,
-                    array,
-                    found: values.len(),
-                    wanted,
-                });
-            }
-            if let Some(at) = values.iter().position(|value| !value.is_finite()) {
-                let value = values[at];
-                let fault = format!(
-                    "layer {layer}: number {at} of the {array} is {value}; training diverged"
-                );
-                return Err(NetworkError::NotFinite(fault));
-            }
+            NetworkError::check_array(&place, array, values, wanted)?;
         }
         Ok(())
+    }
+}
+
+impl NetworkError {
+    /// Whether an array of a layer has its length and nothing but finite numbers.
+    pub(crate) fn check_array(
+        place: &str,
+        array: &'static str,
+        values: &[f32],
+        wanted: usize,
+    ) -> Result<(), Self> {
+        if values.len() != wanted {
+            return Err(Self::Length {
+                place: place.to_owned(),
+                array,
+                found: values.len(),
+                wanted,
+            });
+        }
+        let Some(at) = values.iter().position(|value| !value.is_finite()) else {
+            return Ok(());
+        };
+        let value = values[at];
+        Err(Self::NotFinite(format!(
+            "{place}: number {at} of the {array} is {value}; training diverged"
+        )))
     }
 }
 
@@ -202,6 +262,7 @@ mod tests {
         };
         Network {
             inputs: vec![feature],
+            lstm: vec![],
             layers: vec![
                 Dense {
                     inputs: 1,
@@ -239,9 +300,71 @@ mod tests {
         }
     }
 
+    /// `small` behind two LSTM layers of one unit each.
+    fn recurrent() -> Network {
+        let cell = |input: f32, hidden: f32| LstmCell {
+            inputs: 1,
+            width: 1,
+            weights_input: vec![input; 4],
+            weights_hidden: vec![hidden; 4],
+            bias: vec![0.0; 4],
+        };
+        Network {
+            lstm: vec![cell(1.0, 0.5), cell(-2.0, 1.0)],
+            ..small()
+        }
+    }
+
+    #[test]
+    fn layers_of_a_recurrent_network_feed_one_another() {
+        let logistic = |x: f64| 1.0 / (1.0 + (-x).exp());
+        // All four sums of a layer are the same here.
+        let step = |sum: f64, c: f64| {
+            let next = logistic(sum) * c + logistic(sum) * sum.tanh();
+            (logistic(sum) * next.tanh(), next)
+        };
+        let network = recurrent();
+        assert_eq!(
+            (network.state_width(), network.state().unwrap().lstm),
+            (4, vec![1, 1])
+        );
+        let ([mut h0, mut c0, mut h1, mut c1], mut state) = ([0.0; 4], [0.0; 4]);
+        for x in [1.5, 0.25, -1.0] {
+            (h0, c0) = step((x - 1.0) * 2.0 + 0.5 * h0, c0);
+            (h1, c1) = step(-2.0 * h0 + h1, c1);
+            let (a, b) = ((0.5 * h1).tanh(), (0.25 - h1).tanh());
+            let mut logits = [0.0; 2];
+            network.forward_with_state(&[x as f32], &mut state, &mut logits);
+            let found = logits.iter().chain(&state).map(|x| f64::from(*x));
+            let wanted = [a + 2.0 * b + 0.1, -3.0 * a + 0.5 * b, h0, c0, h1, c1];
+            for (found, wanted) in found.zip(wanted) {
+                assert!(
+                    (found - wanted).abs() < 1e-6,
+                    "{logits:?} {state:?}: {wanted:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn rows_of_a_recurrent_network_keep_their_own_state() {
+        let network = recurrent();
+        let mut together = [0.0, 0.0, 0.0, 0.0, 0.1, 0.2, 0.3, 0.4];
+        let mut alone = together;
+        let (mut both, mut one) = ([0.0; 4], [0.0; 4]);
+        network.forward_with_state(&[1.5, -0.5], &mut together, &mut both);
+        for row in 0..2 {
+            let (state, logits) = (&mut alone[4 * row..][..4], &mut one[2 * row..][..2]);
+            network.forward_with_state(&[[1.5], [-0.5]][row], state, logits);
+        }
+        assert_eq!((together, both), (alone, one));
+        assert_ne!(one[..2], one[2..]);
+    }
+
+    type Spoil = fn(&mut Network);
+
     #[test]
     fn faults_are_named() {
-        type Spoil = fn(&mut Network);
         let cases: [(Spoil, &str); 9] = [
             (|n| n.inputs.clear(), "no inputs"),
             (|n| n.layers.clear(), "no outputs"),
@@ -268,9 +391,48 @@ mod tests {
             (|n| n.inputs[0].scale = 0.0, "scale 0"),
             (|n| n.inputs[0].offset = 1e300, "no scaling"),
         ];
-        small().check().unwrap();
+        check_faults(&small(), &cases);
+    }
+
+    #[test]
+    fn faults_of_lstm_layers_are_named() {
+        let cases: [(Spoil, &str); 7] = [
+            (
+                |n| n.lstm[1].width = 0,
+                "no units in one of its LSTM layers",
+            ),
+            (
+                |n| n.lstm[1].inputs = 3,
+                "LSTM layer 1 takes 3 values, but 1 come in",
+            ),
+            (
+                |n| _ = n.lstm[0].weights_input.pop(),
+                "LSTM layer 0 has 3 input weights, not 4",
+            ),
+            (
+                |n| n.lstm[1].weights_hidden.push(0.0),
+                "LSTM layer 1 has 5 hidden weights, not 4",
+            ),
+            (
+                |n| n.lstm[0].bias.clear(),
+                "LSTM layer 0 has 0 biases, not 4",
+            ),
+            (
+                |n| n.lstm[1].weights_hidden[2] = f32::NAN,
+                "LSTM layer 1: number 2 of the hidden weights is NaN",
+            ),
+            (
+                |n| n.layers[0].inputs = 2,
+                "layer 0 takes 2 values, but 1 come in",
+            ),
+        ];
+        check_faults(&recurrent(), &cases);
+    }
+
+    fn check_faults(sound: &Network, cases: &[(Spoil, &str)]) {
+        sound.check().unwrap();
         for (spoil, part) in cases {
-            let mut network = small();
+            let mut network = sound.clone();
             spoil(&mut network);
             let fault = network.check().unwrap_err().to_string();
             assert!(fault.contains(part), "{fault:?} lacks {part:?}");

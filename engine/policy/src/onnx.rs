@@ -1,6 +1,7 @@
 //! ONNX files: the little of protobuf and of the format that a policy needs.
 
 pub mod read;
+mod recurrent;
 mod tensor;
 #[cfg(test)]
 pub(crate) mod testing;
@@ -14,6 +15,12 @@ pub use write::{IR_VERSION, OPSET};
 pub const INPUT: &str = "belief";
 /// The name of the graph's output, `[batch, actions]`.
 pub const OUTPUT: &str = "logits";
+/// The name of a recurrent graph's second input, `[batch, state_width]`, laid out as
+/// [`State`](crate::State) says: LSTM layer by LSTM layer h, then c.
+pub const STATE_INPUT: &str = "state_in";
+/// The name of a recurrent graph's second output, laid out as [`STATE_INPUT`]: the state of the
+/// next step.
+pub const STATE_OUTPUT: &str = "state_out";
 /// The name of the dimension that a caller chooses.
 pub const BATCH: &str = "batch";
 

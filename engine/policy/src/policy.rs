@@ -3,18 +3,11 @@
 use std::path::Path;
 
 use ort::session::Session;
-use ort::value::TensorRef;
+use ort::value::{DynValue, TensorRef};
 
+use crate::layout::Layout;
+use crate::onnx::{INPUT, OUTPUT, STATE_INPUT, STATE_OUTPUT};
 use crate::{FeatureName, PolicyError, PolicyFile, Runtime};
-
-/// How the rows of inputs and logits lie.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Layout {
-    pub features: usize,
-    pub actions: usize,
-    /// The file takes one row at a time.
-    pub single_rows: bool,
-}
 
 /// An open policy, for one thread; open the [`PolicyFile`] again for another.
 #[derive(Debug)]
@@ -53,6 +46,32 @@ pub enum RunError {
         row: usize,
         /// Which action.
         action: usize,
+        /// What it was.
+        value: f32,
+    },
+    /// A recurrent policy was run as a perceptron.
+    #[error("the policy carries a state of {width} numbers from step to step, and none was given")]
+    Recurrent {
+        /// Numbers per row.
+        width: usize,
+    },
+    /// The caller's rows of state do not fit.
+    #[error("a state of {values} numbers is not {batch} rows of {width}")]
+    StateLength {
+        /// Numbers given.
+        values: usize,
+        /// Rows said.
+        batch: usize,
+        /// Numbers per row.
+        width: usize,
+    },
+    /// NaN or infinity in the state, whether it came in or out.
+    #[error("number {number} of the state of row {row} is {value}")]
+    State {
+        /// Which row.
+        row: usize,
+        /// Which number of it.
+        number: usize,
         /// What it was.
         value: f32,
     },
@@ -99,31 +118,61 @@ impl Policy {
         self.layout.actions
     }
 
-    /// Runs `batch` rows: `inputs` is `[batch][features]` in SI, `out` becomes `[batch][actions]`.
+    /// Numbers that a row carries from step to step; 0 for a perceptron.
+    #[must_use]
+    pub fn state_width(&self) -> usize {
+        self.layout.state
+    }
+
+    /// Runs `batch` rows through a perceptron: `inputs` is `[batch][features]` in SI, `out` becomes
+    /// `[batch][actions]`.
     ///
     /// # Errors
     /// Where a number on either side is not finite, the rows do not fit or the runtime fails; `out`
-    /// is then empty.
+    /// is then empty. A recurrent policy is run by [`Policy::logits_with_state`].
     pub fn logits(
         &mut self,
         inputs: &[f32],
         batch: usize,
         out: &mut Vec<f32>,
     ) -> Result<(), RunError> {
+        let width = self.layout.state;
+        if width > 0 {
+            out.clear();
+            return Err(RunError::Recurrent { width });
+        }
+        self.logits_with_state(inputs, batch, &mut [], out)
+    }
+
+    /// Takes one step of `batch` episodes, with any policy.
+    ///
+    /// `inputs` is `[batch][features]` in SI, `out` becomes `[batch][actions]`. `state` is
+    /// `[batch][state_width]`, empty for a perceptron: all zeros in the row of an episode that
+    /// begins, and afterwards what its next step wants. [`State`](crate::State) says how it lies.
+    ///
+    /// # Errors
+    /// Where a number on either side is not finite, the rows do not fit or the runtime fails; `out`
+    /// is then empty and `state` as it was.
+    pub fn logits_with_state(
+        &mut self,
+        inputs: &[f32],
+        batch: usize,
+        state: &mut [f32],
+        out: &mut Vec<f32>,
+    ) -> Result<(), RunError> {
         out.clear();
         self.check_inputs(inputs, batch)?;
-        if batch == 0 {
-            return Ok(());
-        }
-        let rows_at_once = if self.layout.single_rows { 1 } else { batch };
-        for rows in inputs.chunks_exact(rows_at_once * self.layout.features) {
-            if let Err(fault) = self.run(rows, rows_at_once, out) {
+        self.check_state(state, batch)?;
+        let mut next = Vec::with_capacity(state.len());
+        let result = self.run_all(inputs, batch, state, out, &mut next);
+        match result.and_then(|()| self.check_outputs(out, &next)) {
+            Ok(()) => state.copy_from_slice(&next),
+            Err(fault) => {
                 out.clear();
                 return Err(fault);
             }
         }
-        let faulty = out.iter().position(|logit| !logit.is_finite());
-        faulty.map_or(Ok(()), |at| Err(self.logit_fault(at, out)))
+        Ok(())
     }
 
     fn check_inputs(&self, inputs: &[f32], batch: usize) -> Result<(), RunError> {
@@ -135,39 +184,113 @@ impl Policy {
                 features,
             });
         }
-        match inputs.iter().position(|value| !value.is_finite()) {
-            None => Ok(()),
-            Some(at) => Err(RunError::Input {
-                row: at / features,
-                feature: at % features,
-                value: inputs[at],
-            }),
-        }
+        let fault = |(row, feature, value)| RunError::Input {
+            row,
+            feature,
+            value,
+        };
+        not_finite(inputs, features).map(fault).map_or(Ok(()), Err)
     }
 
-    fn run(&mut self, rows: &[f32], count: usize, out: &mut Vec<f32>) -> Result<(), RunError> {
-        let failed = |fault: ort::Error| RunError::Runtime(fault.to_string());
-        let tensor =
-            TensorRef::from_array_view(([count, self.layout.features], rows)).map_err(failed)?;
-        let outputs = self.session.run(ort::inputs![tensor]).map_err(failed)?;
-        let (shape, logits) = outputs[0].try_extract_tensor::<f32>().map_err(failed)?;
-        let wanted = [count as i64, self.layout.actions as i64];
-        if **shape != wanted {
-            return Err(RunError::Runtime(format!(
-                "logits of shape {:?}, not {wanted:?}",
-                &**shape
-            )));
+    fn check_state(&self, state: &[f32], batch: usize) -> Result<(), RunError> {
+        let width = self.layout.state;
+        if batch.checked_mul(width) != Some(state.len()) {
+            return Err(RunError::StateLength {
+                values: state.len(),
+                batch,
+                width,
+            });
         }
-        out.extend_from_slice(logits);
+        let fault = |(row, number, value)| RunError::State { row, number, value };
+        not_finite(state, width).map(fault).map_or(Ok(()), Err)
+    }
+
+    fn check_outputs(&self, logits: &[f32], state: &[f32]) -> Result<(), RunError> {
+        let of_logit = |(row, action, value)| RunError::Logit { row, action, value };
+        let of_state = |(row, number, value)| RunError::State { row, number, value };
+        let logit = not_finite(logits, self.layout.actions).map(of_logit);
+        let fault = logit.or_else(|| not_finite(state, self.layout.state).map(of_state));
+        fault.map_or(Ok(()), Err)
+    }
+
+    fn run_all(
+        &mut self,
+        inputs: &[f32],
+        batch: usize,
+        state: &[f32],
+        out: &mut Vec<f32>,
+        next: &mut Vec<f32>,
+    ) -> Result<(), RunError> {
+        let at_once = if self.layout.single_rows {
+            1
+        } else {
+            batch.max(1)
+        };
+        let (features, width) = (self.layout.features, self.layout.state);
+        for (index, rows) in inputs.chunks_exact(at_once * features).enumerate() {
+            let state = &state[index * at_once * width..][..at_once * width];
+            self.run(rows, state, at_once, out, next)?;
+        }
         Ok(())
     }
 
-    fn logit_fault(&self, at: usize, out: &mut Vec<f32>) -> RunError {
-        let (row, action) = (at / self.layout.actions, at % self.layout.actions);
-        let value = out[at];
-        out.clear();
-        RunError::Logit { row, action, value }
+    fn run(
+        &mut self,
+        rows: &[f32],
+        state: &[f32],
+        count: usize,
+        out: &mut Vec<f32>,
+        next: &mut Vec<f32>,
+    ) -> Result<(), RunError> {
+        let Layout {
+            features,
+            actions,
+            state: width,
+            ..
+        } = self.layout;
+        let tensor = |values, width| TensorRef::from_array_view(([count, width], values));
+        let rows = tensor(rows, features).map_err(failed)?;
+        if width == 0 {
+            // Files of other trainers have their own names.
+            let outputs = self.session.run(ort::inputs![rows]).map_err(failed)?;
+            return append("logits", &outputs[0], [count, actions], out);
+        }
+        let state = tensor(state, width).map_err(failed)?;
+        let inputs = ort::inputs![INPUT => rows, STATE_INPUT => state];
+        let outputs = self.session.run(inputs).map_err(failed)?;
+        append("logits", &outputs[OUTPUT], [count, actions], out)?;
+        append("a state", &outputs[STATE_OUTPUT], [count, width], next)
     }
+}
+
+// By value, as `map_err` hands it over.
+#[allow(clippy::needless_pass_by_value)]
+fn failed(fault: ort::Error) -> RunError {
+    RunError::Runtime(fault.to_string())
+}
+
+/// Adds a tensor's values to `to`, where it has the shape that it should have.
+fn append(
+    what: &str,
+    from: &DynValue,
+    wanted: [usize; 2],
+    to: &mut Vec<f32>,
+) -> Result<(), RunError> {
+    let (shape, values) = from.try_extract_tensor::<f32>().map_err(failed)?;
+    if **shape != wanted.map(|size| size as i64) {
+        return Err(RunError::Runtime(format!(
+            "{what} of shape {:?}, not {wanted:?}",
+            &**shape
+        )));
+    }
+    to.extend_from_slice(values);
+    Ok(())
+}
+
+/// The first number that is NaN or infinite: its row, its place there, itself.
+fn not_finite(values: &[f32], width: usize) -> Option<(usize, usize, f32)> {
+    let at = values.iter().position(|value| !value.is_finite())?;
+    Some((at / width, at % width, values[at]))
 }
 
 /// The action with the largest logit among those allowed; `stop` always is, and of equal ones the

@@ -5,7 +5,10 @@ mod common;
 
 use common::{WIDTHS, contract, inputs, logits, network};
 use pubs_policy::onnx::Model;
-use pubs_policy::{Existing, ExportError, Policy, PolicyFile, Reference, RunError, Runtime, write};
+use pubs_policy::{
+    Existing, ExportError, FeatureName, Policy, PolicyFile, Reference, RunError, Runtime, State,
+    write,
+};
 
 #[test]
 fn random_networks_compute_the_same_after_writing() {
@@ -142,6 +145,7 @@ fn a_file_that_differs_is_kept_unless_told() {
         let reference = Reference {
             inputs: &inputs,
             logits: &logits,
+            steps: 1,
         };
         write(
             &path,
@@ -178,7 +182,7 @@ fn a_file_that_differs_is_kept_unless_told() {
 #[test]
 fn an_export_that_is_not_what_was_trained_leaves_nothing() {
     type Spoil = fn(&mut pubs_policy::Network, &mut pubs_policy::Contract, &mut Vec<f32>);
-    let cases: [(Spoil, &str); 7] = [
+    let cases: [(Spoil, &str); 11] = [
         (
             |_, _, logits| logits[7] += 2e-4,
             "does not compute what was trained",
@@ -207,6 +211,28 @@ fn an_export_that_is_not_what_was_trained_leaves_nothing() {
             |_, contract, _| contract.evaluation_reward = f64::NAN,
             "evaluation_reward is NaN",
         ),
+        (
+            |network, contract, _| {
+                network.inputs[0].name = FeatureName::Reading("f,d".into());
+                contract.inputs.clone_from(&network.inputs);
+            },
+            "\"reading.f,d\", which does not read back",
+        ),
+        (
+            |_, contract, _| contract.format_version = 2,
+            "has version 2, but is one without a state, which is version 1",
+        ),
+        (
+            |_, contract, _| contract.state = Some(State { lstm: vec![4] }),
+            "has version 1, but is one with a state, which is version 2",
+        ),
+        (
+            |_, contract, _| {
+                contract.format_version = 2;
+                contract.state = Some(State { lstm: vec![4] });
+            },
+            "says another state than the network has",
+        ),
     ];
     let runtime = Runtime::tract().unwrap();
     let directory = tempfile::tempdir().unwrap();
@@ -220,6 +246,7 @@ fn an_export_that_is_not_what_was_trained_leaves_nothing() {
         let reference = Reference {
             inputs: &inputs,
             logits: &logits,
+            steps: 1,
         };
         let fault = write(
             &path,
@@ -296,6 +323,7 @@ fn overflow_in_the_network_is_refused_on_the_way_out() {
     let reference = Reference {
         inputs: &[1.125, 0.5],
         logits: &network.layers[0].bias,
+        steps: 1,
     };
     let path = directory.path().join("door2.onnx");
     let file = write(

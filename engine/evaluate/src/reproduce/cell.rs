@@ -9,7 +9,8 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::evaluation::Evaluation;
-pub use crate::method::{EntropyInput, Method};
+pub use crate::reads::EntropyInput;
+use pubs_policy::Method;
 
 /// The goal of a training.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

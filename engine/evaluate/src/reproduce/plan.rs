@@ -5,7 +5,8 @@ use std::str::FromStr;
 
 use super::cell::{GoalName, SolverMethod, Unit};
 use super::paper::{FREQUENCIES, GOALS, OBJECTS};
-use crate::method::{EntropyInput, Method};
+use crate::reads::EntropyInput;
+use pubs_policy::Method;
 
 /// The benchmarks.
 const BENCHMARKS: [&str; 2] = ["sim_object", "light_dark"];

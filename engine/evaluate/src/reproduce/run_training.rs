@@ -12,7 +12,8 @@ use super::cell::{CellResult, Figures, GoalName, Judged};
 use super::workshop::{Prepared, Workshop, WorkshopError};
 use crate::candidates::TrainingPlan;
 use crate::evaluation::{EvaluationOptions, GoalChoice, NetworkContestant, evaluate};
-use crate::method::{EntropyInput, Method};
+use crate::reads::EntropyInput;
+use pubs_policy::Method;
 use crate::policy_file::{contract_of, write};
 use crate::training::{default_recipe, train_seed};
 

@@ -20,7 +20,8 @@ use super::run_training::{TrainingCell, train};
 use super::seeds::Training;
 use super::workshop::{Prepared, Workshop, WorkshopError, write_whole};
 use super::date;
-use crate::method::{EntropyInput, Method};
+use crate::reads::EntropyInput;
+use pubs_policy::Method;
 
 /// What happens to a unit; `index` is its place in the plan.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,13 +1,11 @@
 #![allow(clippy::unwrap_used)]
 
-#[path = "../../tests/common/mod.rs"]
-mod common;
-
 use std::path::Path;
 
 use super::*;
+use crate::common::{contract, inputs, logits, network};
+use crate::onnx;
 use crate::onnx::testing::{Foreign, foreign};
-use common::{contract, inputs, logits, network};
 
 fn open(bytes: Vec<u8>) -> Result<PolicyFile, Fault> {
     PolicyFile::from_bytes(Path::new("a.onnx"), bytes)
@@ -221,4 +219,28 @@ fn foreign_files_of_many_kinds() {
     );
     let fault = open_foreign(&bytes, &TWO, 5).unwrap_err().to_string();
     assert!(fault.contains("shape [any, 3], not [batch, 5]"), "{fault}");
+}
+
+#[test]
+fn policies_written_before_keep_their_contract_byte_for_byte() {
+    let folder = std::fs::read_dir("../../policies").unwrap();
+    let paths: Vec<_> = folder
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| {
+            path.extension()
+                .is_some_and(|extension| extension == "onnx")
+        })
+        .collect();
+    assert!(!paths.is_empty(), "no policies to read");
+    for path in paths {
+        let bytes = std::fs::read(&path).unwrap();
+        let model = Model::read(&bytes).unwrap();
+        let file = PolicyFile::read(&path).unwrap();
+        let mut entries = file.contract().unwrap().to_metadata().unwrap();
+        let is_sum = |key: &String| key.ends_with("sha256");
+        let sums = model.metadata.iter().filter(|(key, _)| is_sum(key));
+        entries.extend(sums.map(|(key, sum)| (key.clone(), sum.clone())));
+        let written = onnx::write::metadata(&entries);
+        assert!(bytes.ends_with(&written), "{}: {entries:?}", path.display());
+    }
 }

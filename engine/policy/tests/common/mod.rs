@@ -1,10 +1,9 @@
 //! Networks, contracts and inputs for the tests of this crate.
 #![allow(dead_code, clippy::unwrap_used)]
 
-use pubs_policy::contract::FORMAT_VERSION;
 use pubs_policy::{
-    Contract, Dense, Existing, Feature, FeatureName, Goal, Network, PolicyFile, Reference, Runtime,
-    Shield, export,
+    Contract, Dense, Existing, Feature, FeatureName, Goal, LstmCell, Method, Network, PolicyFile,
+    Reference, Runtime, Shield, export,
 };
 use serde_json::{Value, json};
 
@@ -40,7 +39,40 @@ pub fn network(seed: u64, widths: &[usize]) -> Network {
         .collect();
     Network {
         inputs: features(widths[0]),
+        lstm: Vec::new(),
         layers,
+    }
+}
+
+/// LSTM layers of these widths on three inputs, then a perceptron: 16 tanh units and five actions.
+pub fn recurrent(seed: u64, lstm: &[usize]) -> Network {
+    let mut random = Random(seed);
+    let mut inputs = 3;
+    let mut layers = Vec::new();
+    for width in lstm {
+        layers.push(lstm_cell(&mut random, inputs, *width));
+        inputs = *width;
+    }
+    Network {
+        inputs: features(3),
+        lstm: layers,
+        layers: vec![dense(&mut random, inputs, 16), dense(&mut random, 16, 5)],
+    }
+}
+
+fn lstm_cell(random: &mut Random, inputs: usize, width: usize) -> LstmCell {
+    let spread = 2.0 / (width as f64).sqrt();
+    let mut values = |count: usize| {
+        (0..count)
+            .map(|_| (spread * random.signed()) as f32)
+            .collect()
+    };
+    LstmCell {
+        inputs,
+        width,
+        weights_input: values(4 * width * inputs),
+        weights_hidden: values(4 * width * width),
+        bias: values(4 * width),
     }
 }
 
@@ -87,7 +119,7 @@ pub fn task() -> Value {
 
 pub fn contract(network: &Network) -> Contract {
     let mut contract = Contract {
-        format_version: FORMAT_VERSION,
+        format_version: network.format_version(),
         object: "door2".into(),
         task_hash: String::new(),
         task: String::new(),
@@ -112,6 +144,8 @@ pub fn contract(network: &Network) -> Contract {
         recipe: "default".into(),
         evaluation_reward: 0.875,
         engine_version: "0.1.0".into(),
+        method: Method::Pubs,
+        state: network.state(),
     };
     contract.set_task(&task());
     contract
@@ -136,6 +170,28 @@ pub fn logits(network: &Network, inputs: &[f32]) -> Vec<f32> {
     logits
 }
 
+/// The logits of episodes of so many steps, whose inputs stand one after the other.
+pub fn episode_logits(network: &Network, inputs: &[f32], steps: usize) -> Vec<f32> {
+    let mut logits = vec![0.0; inputs.len() / network.inputs.len() * network.actions()];
+    let mut state = vec![0.0; network.state_width()];
+    let rows = inputs.chunks_exact(network.inputs.len());
+    for (row, (input, out)) in rows
+        .zip(logits.chunks_exact_mut(network.actions()))
+        .enumerate()
+    {
+        if row % steps == 0 {
+            state.fill(0.0);
+        }
+        network.forward_with_state(input, &mut state, out);
+    }
+    logits
+}
+
+/// Steps of the reference's episodes.
+pub fn steps(network: &Network) -> usize {
+    if network.lstm.is_empty() { 1 } else { 50 }
+}
+
 /// Writes a policy and gives its bytes too.
 pub fn written(
     directory: &std::path::Path,
@@ -144,10 +200,12 @@ pub fn written(
 ) -> (PolicyFile, Vec<u8>) {
     let path = directory.join("door2.onnx");
     let inputs = inputs(1, network, 1000);
-    let logits = logits(network, &inputs);
+    let steps = steps(network);
+    let logits = episode_logits(network, &inputs, steps);
     let reference = Reference {
         inputs: &inputs,
         logits: &logits,
+        steps,
     };
     let file = export::write(
         &path,

@@ -329,6 +329,7 @@ pub fn always(action: usize, folder: &Path) -> Policy {
         .collect();
     let network = Network {
         inputs: inputs.clone(),
+        lstm: Vec::new(),
         layers: vec![Dense {
             inputs: 2,
             outputs: 3,
@@ -362,11 +363,14 @@ pub fn always(action: usize, folder: &Path) -> Policy {
         recipe: "none".to_owned(),
         evaluation_reward: 0.0,
         engine_version: "test".to_owned(),
+        method: pubs_policy::Method::Pubs,
+        state: None,
     };
     let runtime = Runtime::tract().unwrap();
     let reference = Reference {
         inputs: &[0.1, 0.5],
         logits: &bias,
+        steps: 1,
     };
     let path = folder.join(format!("{action}.onnx"));
     let file = pubs_policy::write(

@@ -1,26 +1,11 @@
-//! How a policy is trained, and what it reads for that: the method, its baselines (§IV-B) and its
-//! ablations (§IV-D).
+//! What a policy reads: by its method (§IV-B) and by the ablation of its entropy (§IV-D).
 
-use std::fmt;
 use std::str::FromStr;
 
 use pubs_core::Input;
+use pubs_policy::Method;
 use pubs_train::surrogate::Goals;
 use serde::{Deserialize, Serialize};
-
-/// How a policy is trained, §IV-B.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Method {
-    /// On belief summaries.
-    Pubs,
-    /// The same network on raw observations.
-    Ppo,
-    /// One LSTM layer of 256 units, on raw observations.
-    Lstm1,
-    /// Two of them.
-    Lstm2,
-}
 
 /// What the policy sees in the place of the belief's entropy, §IV-D.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -36,35 +21,6 @@ pub enum EntropyInput {
 
 /// Units of each LSTM layer, §IV-B.
 pub const LSTM_WIDTH: usize = 256;
-
-impl Method {
-    /// All of them, the paper's own first.
-    pub const ALL: [Self; 4] = [Self::Pubs, Self::Ppo, Self::Lstm1, Self::Lstm2];
-
-    /// As in files and after `--method`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Pubs => "pubs",
-            Self::Ppo => "ppo",
-            Self::Lstm1 => "lstm1",
-            Self::Lstm2 => "lstm2",
-        }
-    }
-
-    /// Layers of LSTM in front of the perceptron.
-    pub fn lstm_layers(self) -> usize {
-        match self {
-            Self::Pubs | Self::Ppo => 0,
-            Self::Lstm1 => 1,
-            Self::Lstm2 => 2,
-        }
-    }
-
-    /// Whether its policy reads a particle filter's belief.
-    pub fn has_belief(self) -> bool {
-        self == Self::Pubs
-    }
-}
 
 impl EntropyInput {
     /// All of them, the one without ablation first.
@@ -107,54 +63,18 @@ pub fn inputs_of(
     .collect()
 }
 
-/// A word that names no method or no entropy.
+/// A word that names no entropy.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no {what} {found:?}; there are {}", known.join(", "))]
-pub struct UnknownWord {
-    what: &'static str,
-    found: String,
-    known: Vec<&'static str>,
-}
-
-impl FromStr for Method {
-    type Err = UnknownWord;
-
-    fn from_str(text: &str) -> Result<Self, UnknownWord> {
-        find("method", text, &Self::ALL, Self::name)
-    }
-}
+#[error("there is no entropy {0:?}; there are {}", EntropyInput::ALL.map(EntropyInput::name).join(", "))]
+pub struct UnknownEntropy(String);
 
 impl FromStr for EntropyInput {
-    type Err = UnknownWord;
+    type Err = UnknownEntropy;
 
-    fn from_str(text: &str) -> Result<Self, UnknownWord> {
-        find("entropy", text, &Self::ALL, Self::name)
-    }
-}
-
-fn find<T: Copy>(
-    what: &'static str,
-    text: &str,
-    all: &[T],
-    name: fn(T) -> &'static str,
-) -> Result<T, UnknownWord> {
-    let found = all.iter().copied().find(|one| name(*one) == text);
-    found.ok_or_else(|| UnknownWord {
-        what,
-        found: text.to_owned(),
-        known: all.iter().copied().map(name).collect(),
-    })
-}
-
-impl fmt::Display for Method {
-    /// As in the paper.
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(match self {
-            Self::Pubs => "PuBS",
-            Self::Ppo => "PPO",
-            Self::Lstm1 => "LSTM1",
-            Self::Lstm2 => "LSTM2",
-        })
+    fn from_str(text: &str) -> Result<Self, UnknownEntropy> {
+        let mut all = Self::ALL.into_iter();
+        all.find(|entropy| entropy.name() == text)
+            .ok_or_else(|| UnknownEntropy(text.to_owned()))
     }
 }
 
@@ -208,16 +128,10 @@ mod tests {
 
     #[test]
     fn names_read_back_and_unknown_ones_list_the_known() {
-        for method in Method::ALL {
-            assert_eq!(method.name().parse::<Method>().unwrap(), method);
-        }
         for entropy in EntropyInput::ALL {
             assert_eq!(entropy.name().parse::<EntropyInput>().unwrap(), entropy);
         }
-        let fault = "lstm3".parse::<Method>().unwrap_err().to_string();
-        assert!(
-            fault.contains("lstm3") && fault.contains("lstm2"),
-            "{fault}"
-        );
+        let fault = "some".parse::<EntropyInput>().unwrap_err().to_string();
+        assert!(fault.contains("some") && fault.contains("random"), "{fault}");
     }
 }

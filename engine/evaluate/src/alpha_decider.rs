@@ -80,9 +80,7 @@ impl Decider for AlphaDecider {
 /// The exact update, eq. (5). Where the grid holds the readings for impossible, or there were none,
 /// the belief only moves: bins are coarser than the truth.
 fn followed(grid: &Grid, before: &[f64], action: usize, episode: &Episode) -> Vec<f64> {
-    let observation = episode
-        .has_read()
-        .then(|| grid.observe(episode.readings()));
+    let observation = episode.has_read().then(|| grid.observe(episode.readings()));
     let updated = observation
         .and_then(|observation| belief::update(&grid.pomdp, before, action, observation));
     match updated {

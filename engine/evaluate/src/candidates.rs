@@ -21,10 +21,10 @@ use pubs_train::{Progress, Recipe};
 use crate::evaluation::{
     EvaluateError, Evaluation, EvaluationOptions, GoalChoice, NetworkContestant, evaluate,
 };
-use crate::reads::EntropyInput;
-use pubs_policy::Method;
 use crate::policy_file::{contract_of, write};
+use crate::reads::EntropyInput;
 use crate::training::{TrainSeedError, TrainedSeed, train_seed};
+use pubs_policy::Method;
 
 /// What to train.
 #[derive(Debug, Clone)]

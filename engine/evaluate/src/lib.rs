@@ -25,6 +25,6 @@ pub use evaluation::{
     Contestant, EvaluateError, Evaluation, EvaluationOptions, GoalChoice, NetworkContestant,
     evaluate,
 };
+pub use policy_file::expected_of;
 pub use pubs_policy::Method;
 pub use reads::{EntropyInput, UnknownEntropy};
-pub use policy_file::expected_of;

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use pubs_core::Task;
-use pubs_policy::{Contract, Existing, Expected, ExportError, Feature, Network, PolicyFile, Runtime};
+use pubs_policy::{
+    Contract, Existing, Expected, ExportError, Feature, Network, PolicyFile, Runtime,
+};
 use pubs_train::surrogate::Goals;
 
 use crate::candidates::TrainingPlan;

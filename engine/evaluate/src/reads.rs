@@ -65,8 +65,10 @@ pub fn inputs_of(
 
 /// A word that names no entropy.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no entropy {0:?}; there are {}", EntropyInput::ALL.map(EntropyInput::name).join(", "))]
-pub struct UnknownEntropy(String);
+#[error("there is no entropy {found:?}; there are {}", EntropyInput::ALL.map(EntropyInput::name).join(", "))]
+pub struct UnknownEntropy {
+    found: String,
+}
 
 impl FromStr for EntropyInput {
     type Err = UnknownEntropy;
@@ -74,7 +76,9 @@ impl FromStr for EntropyInput {
     fn from_str(text: &str) -> Result<Self, UnknownEntropy> {
         let mut all = Self::ALL.into_iter();
         all.find(|entropy| entropy.name() == text)
-            .ok_or_else(|| UnknownEntropy(text.to_owned()))
+            .ok_or_else(|| UnknownEntropy {
+                found: text.to_owned(),
+            })
     }
 }
 
@@ -132,6 +136,9 @@ mod tests {
             assert_eq!(entropy.name().parse::<EntropyInput>().unwrap(), entropy);
         }
         let fault = "some".parse::<EntropyInput>().unwrap_err().to_string();
-        assert!(fault.contains("some") && fault.contains("random"), "{fault}");
+        assert!(
+            fault.contains("some") && fault.contains("random"),
+            "{fault}"
+        );
     }
 }

@@ -11,8 +11,8 @@ use pubs_train::surrogate::{SurrogateEnvironments, TrainingOptions};
 use pubs_train::{DenseLayer, Lstm, LstmLayer, Progress, Recipe, Settings, TrainError};
 
 use crate::candidates::TrainingPlan;
-use crate::reads::{LSTM_WIDTH, inputs_of};
 use crate::network::{features, scaling};
+use crate::reads::{LSTM_WIDTH, inputs_of};
 
 /// Successful stops before episodes start anywhere, §IV-A.3.
 const CURRICULUM: u32 = 50;
@@ -101,7 +101,7 @@ pub fn train_seed(
     }
     let trained = pubs_train::train_recurrent(&mut environments, &settings, lstm, report)?;
     Ok(TrainedSeed {
-        network: network(trained.policy.lstm(), trained.policy.layers()),
+        network: network(trained.policy.lstm_layers(), trained.policy.dense_layers()),
         progress: trained.progress,
         learning_s: trained.learning_s,
     })

@@ -1,7 +1,6 @@
 //! What a policy file promises: the metadata under the prefix `pubs.`.
 
 use std::collections::BTreeMap;
-use std::fmt;
 use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
@@ -9,7 +8,7 @@ use serde_json::{Map, Value};
 
 use crate::feature::UNITS;
 use crate::hash::{canonical_json, task_hash};
-use crate::{Fault, Feature};
+use crate::{Fault, Feature, Method};
 
 /// The version of the contract of a perceptron's policy.
 pub const FORMAT_VERSION: u32 = 1;

@@ -35,9 +35,7 @@ pub mod runtime;
 mod seal;
 
 pub use compare::{Expected, Mismatch, Warning};
-pub use contract::{
-    Contract, FORMAT_VERSION, Goal, RECURRENT_FORMAT_VERSION, Shield, State,
-};
+pub use contract::{Contract, FORMAT_VERSION, Goal, RECURRENT_FORMAT_VERSION, Shield, State};
 pub use error::{Fault, PolicyError};
 pub use export::{Existing, ExportError, Reference, write};
 pub use feature::{Feature, FeatureName};

@@ -74,8 +74,10 @@ impl fmt::Display for Method {
 
 /// A word that names no method.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no method {0:?}; there are {}", Method::ALL.map(Method::name).join(", "))]
-pub struct UnknownMethod(String);
+#[error("there is no method {found:?}; there are {}", Method::ALL.map(Method::name).join(", "))]
+pub struct UnknownMethod {
+    found: String,
+}
 
 impl FromStr for Method {
     type Err = UnknownMethod;
@@ -83,7 +85,9 @@ impl FromStr for Method {
     fn from_str(text: &str) -> Result<Self, UnknownMethod> {
         let mut all = Self::ALL.into_iter();
         all.find(|method| method.name() == text)
-            .ok_or_else(|| UnknownMethod(text.to_owned()))
+            .ok_or_else(|| UnknownMethod {
+                found: text.to_owned(),
+            })
     }
 }
 

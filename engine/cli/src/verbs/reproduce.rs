@@ -108,7 +108,10 @@ pub fn run(arguments: &Arguments) -> Ended {
         max_steps: MAX_STEPS,
         steps: arguments.steps.map(|steps| steps as usize),
     };
-    let units = plan(&options(arguments, arguments.only.iter().copied().collect()));
+    let units = plan(&options(
+        arguments,
+        arguments.only.iter().copied().collect(),
+    ));
     let mut summary = if arguments.report_only {
         Summary::of(&vec![None; units.len()], &units)
     } else {

@@ -136,7 +136,10 @@ impl Grid {
         options: GridOptions,
     ) -> Result<Self, GridError> {
         let states: Vec<f64> = (0..options.bins)
-            .map(|index| task.joint.at_fraction(index as f64 / (options.bins - 1) as f64))
+            .map(|index| {
+                task.joint
+                    .at_fraction(index as f64 / (options.bins - 1) as f64)
+            })
             .collect();
         let mut observer = Observer::new(task, model)?;
         let bins = channel_bins(&mut observer, model.channels(), options.observation_bins)?;
@@ -236,7 +239,13 @@ fn start(task: &Task, states: &[f64]) -> Vec<f64> {
     let slack = 1e-9 * task.joint.range();
     let inside = |state: &f64| (from - slack..=to + slack).contains(state);
     let count = states.iter().filter(|state| inside(state)).count().max(1);
-    let share = |state: &f64| if inside(state) { 1.0 / count as f64 } else { 0.0 };
+    let share = |state: &f64| {
+        if inside(state) {
+            1.0 / count as f64
+        } else {
+            0.0
+        }
+    };
     states.iter().map(share).chain([0.0]).collect()
 }
 

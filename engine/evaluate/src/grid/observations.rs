@@ -66,7 +66,11 @@ impl<'a> Observer<'a> {
         for action in movements {
             for index in 0..PROBED_STATES {
                 let state = joint.at_fraction(index as f64 / (PROBED_STATES - 1) as f64);
-                let state = if joint.is_integer() { state.round() } else { state };
+                let state = if joint.is_integer() {
+                    state.round()
+                } else {
+                    state
+                };
                 self.ask(action, state, state)?;
                 for (range, (mean, sigma)) in
                     ranges.iter_mut().zip(self.mean.iter().zip(&self.sigma))
@@ -132,7 +136,8 @@ impl<'a> Observer<'a> {
                 .collect();
         }
         let sum: f64 = row.iter().map(|(_, probability)| probability).sum();
-        row.iter_mut().for_each(|(_, probability)| *probability /= sum);
+        row.iter_mut()
+            .for_each(|(_, probability)| *probability /= sum);
         row
     }
 }

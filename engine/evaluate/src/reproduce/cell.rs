@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::evaluation::Evaluation;
 pub use crate::reads::EntropyInput;
-use pubs_policy::Method;
+pub use pubs_policy::Method;
 
 /// The goal of a training.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

@@ -153,8 +153,7 @@ fn figure_5(options: &PlanOptions) -> Vec<Unit> {
 
 /// The policies of the middle goal, and the trials that take the best of them.
 fn table_4(options: &PlanOptions) -> Vec<Unit> {
-    let of_seed =
-        |seed| OBJECTS.map(|task| training(task, GoalName::Middle, Method::Pubs, seed));
+    let of_seed = |seed| OBJECTS.map(|task| training(task, GoalName::Middle, Method::Pubs, seed));
     let arm = |drift| {
         OBJECTS.map(|task| Unit::Arm {
             task: task.to_owned(),
@@ -207,17 +206,19 @@ impl Part {
 
 /// A word that names no part.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no part {0:?}; there are {}", Part::ALL.map(|(_, name)| name).join(", "))]
-pub struct UnknownPart(String);
+#[error("there is no part {found:?}; there are {}", Part::ALL.map(|(_, name)| name).join(", "))]
+pub struct UnknownPart {
+    found: String,
+}
 
 impl FromStr for Part {
     type Err = UnknownPart;
 
     fn from_str(text: &str) -> Result<Self, UnknownPart> {
         let found = Self::ALL.into_iter().find(|(_, name)| *name == text);
-        found
-            .map(|(part, _)| part)
-            .ok_or_else(|| UnknownPart(text.to_owned()))
+        found.map(|(part, _)| part).ok_or_else(|| UnknownPart {
+            found: text.to_owned(),
+        })
     }
 }
 
@@ -254,10 +255,7 @@ mod tests {
             // Four policies, trials with and without drift.
             (&[Part::Table4], 4 * 5 + 8),
             // Shared units count once.
-            (
-                &[],
-                12 * 12 + (2 * 2 + 2 * 5) + 3 * 5 + 6 * 2 * 5 + 8,
-            ),
+            (&[], 12 * 12 + (2 * 2 + 2 * 5) + 3 * 5 + 6 * 2 * 5 + 8),
         ];
         for (parts, expected) in cases {
             assert_eq!(count(parts), expected, "{parts:?}");

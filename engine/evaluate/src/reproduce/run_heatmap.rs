@@ -39,7 +39,10 @@ pub fn heatmap(
     let entropy: Vec<f64> = (0..ROWS).map(|row| share(row, ROWS)).collect();
     let inputs: Vec<f32> = entropy
         .iter()
-        .flat_map(|&entropy| mean.iter().flat_map(move |&mean| [mean as f32, entropy as f32]))
+        .flat_map(|&entropy| {
+            mean.iter()
+                .flat_map(move |&mean| [mean as f32, entropy as f32])
+        })
         .collect();
     let mut policy = file.open(workshop.runtime).map_err(WorkshopError::of)?;
     let mut logits = Vec::new();
@@ -61,7 +64,10 @@ pub fn heatmap(
         unit: unit.to_owned(),
         mean: mean.iter().map(|state| state * factor).collect(),
         entropy,
-        action: chosen.chunks_exact(COLUMNS).map(<[usize]>::to_vec).collect(),
+        action: chosen
+            .chunks_exact(COLUMNS)
+            .map(<[usize]>::to_vec)
+            .collect(),
         actions: task
             .actions
             .iter()

@@ -30,8 +30,7 @@ pub fn solve(
 ) -> Result<CellResult, WorkshopError> {
     let Prepared { task, model } = prepared;
     let goal = goal_state(prepared, GoalName::Own)?;
-    let options =
-        GridOptions::of(task, model.as_ref(), None, None).map_err(WorkshopError::of)?;
+    let options = GridOptions::of(task, model.as_ref(), None, None).map_err(WorkshopError::of)?;
     let grid = Grid::new(task, model.as_ref(), goal, options).map_err(WorkshopError::of)?;
     let options = SolveOptions {
         method: match method {

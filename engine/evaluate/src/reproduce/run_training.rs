@@ -12,10 +12,10 @@ use super::cell::{CellResult, Figures, GoalName, Judged};
 use super::workshop::{Prepared, Workshop, WorkshopError};
 use crate::candidates::TrainingPlan;
 use crate::evaluation::{EvaluationOptions, GoalChoice, NetworkContestant, evaluate};
-use crate::reads::EntropyInput;
-use pubs_policy::Method;
 use crate::policy_file::{contract_of, write};
+use crate::reads::EntropyInput;
 use crate::training::{default_recipe, train_seed};
+use pubs_policy::Method;
 
 /// What a training cell is of; the fields of its unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,9 +92,9 @@ pub fn goal_state(prepared: &Prepared, goal: GoalName) -> Result<f64, WorkshopEr
         GoalName::Open => Ok(task.joint.upper),
         GoalName::Middle => Ok(task.joint.at_fraction(0.5)),
         GoalName::Closed => Ok(task.joint.lower),
-        GoalName::Own => task.default_goal.ok_or_else(|| {
-            WorkshopError(format!("object `{}` has no goal of its own", task.name))
-        }),
+        GoalName::Own => task
+            .default_goal
+            .ok_or_else(|| WorkshopError(format!("object `{}` has no goal of its own", task.name))),
     }
 }
 

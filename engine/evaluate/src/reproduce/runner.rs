@@ -3,7 +3,6 @@
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use pubs_core::Task;
@@ -11,6 +10,7 @@ use pubs_core::vector::VectorUnit;
 use pubs_policy::PolicyFile;
 
 use super::cell::{Cell, CellResult, GoalName, Unit};
+use super::date;
 use super::heatmap::Heatmap;
 use super::results::{CELLS, HEATMAPS, Results};
 use super::run_arm;
@@ -19,7 +19,6 @@ use super::run_solver;
 use super::run_training::{TrainingCell, train};
 use super::seeds::Training;
 use super::workshop::{Prepared, Workshop, WorkshopError, write_whole};
-use super::date;
 use crate::reads::EntropyInput;
 use pubs_policy::Method;
 
@@ -80,9 +79,12 @@ pub fn run(
                             interrupt,
                         };
                         let earlier = stored.cell(unit).filter(|_| !again);
-                        report(index, &job.done(earlier, &|share| {
-                            report(index, &Event::Running(share));
-                        }));
+                        report(
+                            index,
+                            &job.done(earlier, &|share| {
+                                report(index, &Event::Running(share));
+                            }),
+                        );
                     }
                 });
             }
@@ -114,7 +116,9 @@ impl Job<'_> {
         progress: &dyn Fn(f32),
     ) -> Result<Option<f64>, WorkshopError> {
         let begun = Instant::now();
-        let prepared = self.workshop.object(self.unit.task(), frequency(self.unit))?;
+        let prepared = self
+            .workshop
+            .object(self.unit.task(), frequency(self.unit))?;
         let task_hash = hash_of(&prepared.task);
         if earlier.is_some_and(|cell| self.holds(cell, &task_hash)) {
             return Ok(None);

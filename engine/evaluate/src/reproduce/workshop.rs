@@ -98,7 +98,11 @@ impl Workshop<'_> {
         let mut setup = task
             .driver_setup(stream(seed, "driver"))
             .ok_or_else(|| WorkshopError(format!("object `{}` has no [driver]", task.name)))?;
-        if let Some(own) = setup.driver.get_mut("params").and_then(Value::as_object_mut) {
+        if let Some(own) = setup
+            .driver
+            .get_mut("params")
+            .and_then(Value::as_object_mut)
+        {
             own.extend(params.clone());
         }
         let name = task

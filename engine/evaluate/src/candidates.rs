@@ -10,19 +10,16 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use pubs_core::Task;
 use pubs_core::belief::{BeliefError, Model};
 use pubs_core::seed::stream;
 use pubs_core::shield::Shield;
-use pubs_core::{Joint, Task};
 use pubs_policy::{Contract, ExportError, Network, Runtime};
 use pubs_train::surrogate::{Goals, SurrogateEnvironments, TrainingOptions};
 use pubs_train::{InputScaling, Progress, Recipe, Settings, TrainError, Trained};
 
 use crate::evaluation::{EvaluateError, Evaluation, EvaluationOptions, GoalChoice, evaluate};
 use crate::policy_file::{contract_of, network_of, write};
-
-/// Successful stops before episodes start anywhere, §IV-A.3.
-const CURRICULUM: u32 = 50;
 
 /// What to train.
 #[derive(Debug, Clone)]
@@ -213,16 +210,16 @@ fn train_one(
     let options = TrainingOptions {
         goals: plan.goals,
         count: plan.recipe.environments,
-        curriculum: CURRICULUM,
+        curriculum: plan.recipe.curriculum,
         episode_cap: plan.recipe.episode_cap,
-        shield: None,
+        shield: plan.shield.filter(|_| plan.recipe.shielded),
         seed: stream(seed, "environments"),
     };
     let mut environments = SurrogateEnvironments::new(Arc::clone(task), model, options);
     let settings = Settings {
         recipe: plan.recipe.clone(),
         layers: task.policy.layers.clone(),
-        scaling: scaling(&task.joint, plan.goals, &plan.recipe),
+        scaling: scaling(task, plan.goals, &plan.recipe),
         discount: task.reward.discount as f32,
         seed,
         unit: pubs_train::VectorUnit::best(),
@@ -232,12 +229,10 @@ fn train_one(
 
 /// Entropy is in [0, 1] already; mean − goal is measured in halves of the range, whatever range
 /// the mean is scaled to.
-fn scaling(joint: &Joint, goals: Goals, recipe: &Recipe) -> InputScaling {
-    let (offset, scale) = recipe
-        .input_range
-        .of_limits(joint.lower as f32, joint.upper as f32);
+fn scaling(task: &Task, goals: Goals, recipe: &Recipe) -> InputScaling {
+    let (offset, scale) = recipe.input_range.of(task);
     let offsets = [offset, 0.0, 0.0];
-    let scales = [scale, 1.0, 2.0 / joint.range() as f32];
+    let scales = [scale, 1.0, 2.0 / task.joint.range() as f32];
     let features = goals.features();
     InputScaling {
         offset: offsets[..features].to_vec(),

@@ -40,7 +40,7 @@ fn feature(
     range: InputRange,
 ) -> Result<Feature, ModelError> {
     let joint = &task.joint;
-    let (offset, scale) = range.of_limits(joint.lower as f32, joint.upper as f32);
+    let (offset, scale) = range.of(task);
     let (offset, scale) = (f64::from(offset), f64::from(scale));
     let state = |name| Feature {
         name,

@@ -14,13 +14,14 @@ use crate::candidates::TrainingPlan;
 use crate::network::{features, scaling};
 use crate::reads::{LSTM_WIDTH, inputs_of};
 
-/// Successful stops before episodes start anywhere, §IV-A.3.
-const CURRICULUM: u32 = 50;
-
-/// The recipe of a training that nobody gave one.
+/// The recipe of a training that nobody gave one: benchmarks are explored in another way than
+/// doors.
 pub fn default_recipe(task: &Task) -> Recipe {
-    let _ = task;
-    Recipe::standard()
+    if task.control.is_some() {
+        Recipe::standard()
+    } else {
+        Recipe::benchmark()
+    }
 }
 
 /// A trained network and how its training went.
@@ -68,9 +69,9 @@ pub fn train_seed(
         goals: plan.goals,
         inputs: inputs.into(),
         count: recipe.environments,
-        curriculum: CURRICULUM,
+        curriculum: recipe.curriculum,
         episode_cap: recipe.episode_cap,
-        shield: None,
+        shield: plan.shield.filter(|_| recipe.shielded),
         seed: stream(seed, "environments"),
     };
     let mut environments = SurrogateEnvironments::new(Arc::clone(task), model, options);

@@ -2,6 +2,10 @@
 
 use std::str::FromStr;
 
+use pubs_core::{JointKind, Task};
+
+use crate::surrogate::Curriculum;
+
 /// A number that moves linearly from the first update to the last.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Schedule {
@@ -19,24 +23,39 @@ impl Schedule {
     }
 }
 
-/// Where the mean joint state lies for the network when it lies within the limits.
+/// How the mean joint state is scaled for the network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum InputRange {
-    /// In [0, 1].
+    /// The limits are 0 and 1.
     Unit,
-    /// In [−1, 1].
+    /// The limits are −1 and 1.
     Centred,
+    /// The middle is 0, and ten of the smallest moves are 1: states a move apart look as different
+    /// to the network on a wide range as on a narrow one.
+    Moves,
 }
 
 impl InputRange {
-    /// Offset and scale, x' = (x − offset) · scale, for a joint with these limits.
+    /// Offset and scale, x' = (x − offset) · scale, for the mean joint state of a task.
     #[must_use]
-    pub fn of_limits(self, lower: f32, upper: f32) -> (f32, f32) {
-        match self {
+    pub fn of(self, task: &Task) -> (f32, f32) {
+        let (lower, upper) = (task.joint.lower, task.joint.upper);
+        let middle = 0.5 * (lower + upper);
+        let (offset, scale) = match self {
             Self::Unit => (lower, 1.0 / (upper - lower)),
-            Self::Centred => (0.5 * (lower + upper), 2.0 / (upper - lower)),
-        }
+            Self::Centred => (middle, 2.0 / (upper - lower)),
+            Self::Moves => (middle, 0.1 / smallest_move(task)),
+        };
+        (offset as f32, scale as f32)
     }
+}
+
+/// The shortest way that an action goes in a policy step.
+fn smallest_move(task: &Task) -> f64 {
+    let moves = task
+        .movements()
+        .map(|(_, action)| action.displacement().abs());
+    moves.fold(task.joint.range(), f64::min)
 }
 
 /// Everything that PPO can be told, but for the task's discount.
@@ -74,6 +93,11 @@ pub struct Recipe {
     /// Episodes are cut off, with the value of their last state, after so many steps. Without a
     /// cap an early policy that never stops keeps its copy from ever starting anew.
     pub episode_cap: Option<u32>,
+    /// Where episodes start.
+    pub curriculum: Curriculum,
+    /// Whether high-force actions are masked while training as they are in use: a policy that must
+    /// learn by violations what the shield knows may learn never to stop instead.
+    pub shielded: bool,
 }
 
 impl Recipe {
@@ -103,10 +127,12 @@ impl Recipe {
             adam_epsilon: 1e-5,
             input_range: InputRange::Unit,
             episode_cap: None,
+            curriculum: Curriculum::Ends { successes: 50 },
+            shielded: false,
         }
     }
 
-    /// The one that training uses unless told otherwise: reaches higher returns with a smaller
+    /// The one for arms: reaches higher returns with a smaller
     /// spread between seeds, because ten times the learning rate, a little entropy bonus and
     /// centred inputs let it finish what the paper's settings leave under-trained. Minibatches of
     /// 256 serve as well as 64 at this learning rate and train a fifth faster.
@@ -143,16 +169,40 @@ impl Recipe {
         }
     }
 
+    /// TODO
+    #[must_use]
+    pub fn benchmark() -> Self {
+        Self {
+            name: "benchmark",
+            steps: 1_000_000,
+            input_range: InputRange::Moves,
+            episode_cap: Some(150),
+            curriculum: Curriculum::Widening { success_rate: 0.9 },
+            shielded: true,
+            ..Self::standard()
+        }
+    }
+
     /// All recipes, the default first.
     #[must_use]
-    pub fn all() -> [Self; 2] {
-        [Self::standard(), Self::paper()]
+    pub fn all() -> [Self; 3] {
+        [Self::standard(), Self::paper(), Self::benchmark()]
     }
 
     /// Updates, each after one rollout of every copy.
     #[must_use]
     pub fn updates(&self) -> usize {
         self.steps.div_ceil(self.rollout * self.environments)
+    }
+
+    /// The one that a task is trained with unless told otherwise: `standard` on an arm, `benchmark`
+    /// on an abstract joint.
+    #[must_use]
+    pub fn usual(task: &Task) -> Self {
+        match task.joint.kind {
+            JointKind::Abstract { .. } => Self::benchmark(),
+            JointKind::Revolute { .. } | JointKind::Prismatic { .. } => Self::standard(),
+        }
     }
 
     /// Names the first setting that cannot work.
@@ -167,7 +217,16 @@ impl Recipe {
         // Written so that NaN is refused.
         let above_zero = |x: f32| x > 0.0 && x.is_finite();
         let at_least_zero = |x: f32| x >= 0.0 && x.is_finite();
+        let success_rate = match self.curriculum {
+            Curriculum::Widening { success_rate } => success_rate,
+            Curriculum::Ends { .. } => 1.0,
+        };
         let numbers = [
+            (
+                "curriculum: success_rate",
+                success_rate,
+                (0.0..=1.0).contains(&success_rate),
+            ),
             (
                 "learning_rate",
                 self.learning_rate.start,
@@ -227,7 +286,7 @@ impl Default for Recipe {
 
 /// A name that no recipe has.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("there is no recipe {0:?}; there are \"standard\" and \"paper\"")]
+#[error("there is no recipe {0:?}; there are \"standard\", \"benchmark\" and \"paper\"")]
 pub struct UnknownRecipe(String);
 
 impl FromStr for Recipe {

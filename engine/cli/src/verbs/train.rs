@@ -37,10 +37,10 @@ pub struct Arguments {
     entropy: EntropyInput,
     #[command(flatten)]
     frequency: FrequencyOptions,
-    /// Settings of PPO: `standard`, or `paper` for the paper's
-    #[arg(long, default_value = "standard", value_name = "NAME")]
-    recipe: String,
-    /// Steps of the surrogate to learn from, rounded up to whole rollouts [default: the recipe's, 500000]
+    /// Settings of PPO: `standard`, `benchmark`, or `paper` for the paper's [default: standard; on an abstract joint benchmark]
+    #[arg(long, value_name = "NAME")]
+    recipe: Option<String>,
+    /// Steps of the surrogate to learn from, rounded up to whole rollouts [default: the recipe's, 500000; 1000000 of benchmark]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     steps: Option<u64>,
     /// Train so many seeds and keep the best
@@ -52,7 +52,7 @@ pub struct Arguments {
     /// Trials on which seeds are compared
     #[arg(long, default_value_t = TRIALS, value_parser = clap::value_parser!(u64).range(1..))]
     trials: u64,
-    /// Leave high-force actions unmasked in trials, as the paper
+    /// Leave high-force actions unmasked, as the paper
     #[arg(long)]
     no_shield: bool,
     /// Write the policy here [default: policies/OBJECT.onnx, or OBJECT-GOAL.onnx]
@@ -111,10 +111,12 @@ pub fn run(arguments: &Arguments) -> Ended {
         None => ready.task.default_goal,
         Some(text) => Some(parse_goal(text, joint)?),
     };
-    let mut recipe: Recipe = arguments
-        .recipe
-        .parse()
-        .map_err(|error: pubs_train::UnknownRecipe| Failure::invalid(error.to_string()))?;
+    let mut recipe = match &arguments.recipe {
+        None => Recipe::usual(&ready.task),
+        Some(name) => name
+            .parse()
+            .map_err(|error: pubs_train::UnknownRecipe| Failure::invalid(error.to_string()))?,
+    };
     recipe.steps = arguments.steps.map_or(recipe.steps, |steps| steps as usize);
     let label = goal.map(|state| fraction_label(joint, state));
     let path = arguments.output.clone().unwrap_or_else(|| {

@@ -3,12 +3,14 @@
 use std::sync::Arc;
 
 use pubs_core::belief::{BeliefError, Model};
+use pubs_core::reward::Reward;
 use pubs_core::shield::Shield;
 use pubs_core::{Input, Task};
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-use super::{Episode, Goals, Senses, Stopped, draw_goal, draw_start};
+use super::curriculum::Starts;
+use super::{Curriculum, Episode, Goals, Senses, Stopped, draw_goal};
 use crate::environment::{End, Environments, StepOutcome};
 
 /// How episodes are drawn while training.
@@ -20,8 +22,8 @@ pub struct TrainingOptions {
     pub inputs: Arc<[Input]>,
     /// Copies stepped together.
     pub count: usize,
-    /// Episodes start at a limit until so many have ended in the goal region.
-    pub curriculum: u32,
+    /// Where episodes start.
+    pub curriculum: Curriculum,
     /// An episode is cut off after so many policy steps; `None`: never.
     pub episode_cap: Option<u32>,
     /// Mask of high-force actions while training.
@@ -36,7 +38,9 @@ pub struct SurrogateEnvironments {
     options: TrainingOptions,
     episodes: Vec<Episode>,
     rng: Xoshiro256PlusPlus,
-    successes: u32,
+    starts: Starts,
+    /// The largest reward of a task is 1 for the learner, whatever its object file calls it.
+    reward_scale: f64,
     last_features: Vec<f32>,
 }
 
@@ -49,10 +53,11 @@ impl SurrogateEnvironments {
             .collect();
         let count = options.count;
         let mut environments = Self {
+            starts: Starts::new(options.curriculum),
+            reward_scale: reward_scale(&task.reward),
             task,
             episodes,
             rng: Xoshiro256PlusPlus::seed_from_u64(options.seed),
-            successes: 0,
             last_features: vec![0.0; count * options.inputs.len()],
             options,
         };
@@ -64,18 +69,21 @@ impl SurrogateEnvironments {
 
     fn begin(&mut self, index: usize) {
         let joint = &self.task.joint;
-        let (from, to) = joint.start;
-        let state = if self.successes < self.options.curriculum {
-            if self.rng.random() { to } else { from }
-        } else {
-            draw_start(joint, &mut self.rng)
-        };
         let goal = match self.options.goals {
             Goals::One(goal) => goal,
             Goals::Every => draw_goal(joint, &mut self.rng),
         };
+        let state = self.starts.draw(joint, goal, &mut self.rng);
         self.episodes[index].begin(state, goal, &mut self.rng);
     }
+}
+
+/// Brings the largest reward of an episode's end to 1. The two networks share one limit on the
+/// length of a gradient, and values of a hundred leave none of it to the policy.
+fn reward_scale(reward: &Reward) -> f64 {
+    let ends = [reward.goal, reward.failed_stop, reward.safety_violation];
+    let largest = ends.into_iter().map(f64::abs).fold(0.0, f64::max);
+    if largest > 0.0 { 1.0 / largest } else { 1.0 }
 }
 
 impl Environments for SurrogateEnvironments {
@@ -118,13 +126,13 @@ impl Environments for SurrogateEnvironments {
                 None => capped.then_some(End::Truncated),
             };
             *outcome = StepOutcome {
-                reward: step.reward as f32,
+                reward: (step.reward * self.reward_scale) as f32,
                 end,
                 success: step.stopped == Some(Stopped::Reached),
                 violation: step.stopped == Some(Stopped::Violated),
             };
-            self.successes += u32::from(outcome.success);
             if end.is_some() {
+                self.starts.record(outcome.success);
                 self.episodes[index]
                     .features(&mut self.last_features[index * width..(index + 1) * width]);
                 self.begin(index);
@@ -136,5 +144,40 @@ impl Environments for SurrogateEnvironments {
     fn last_features(&self, index: usize, features: &mut [f32]) {
         let width = self.features();
         features.copy_from_slice(&self.last_features[index * width..(index + 1) * width]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use pubs_core::reward::Shape;
+
+    use super::*;
+
+    #[test]
+    fn the_largest_reward_of_an_end_becomes_1() {
+        let scale = |goal, failed_stop, safety_violation| {
+            reward_scale(&Reward {
+                shape: Shape::Flat,
+                goal_tolerance: 0.5,
+                goal,
+                failed_stop,
+                safety_violation,
+                time: -1.0,
+                discount: 0.99,
+            })
+        };
+        let cases = [
+            ((1.0, -1.0, -1.0), 1.0),
+            ((101.0, -99.0, -100.0), 1.0 / 101.0),
+            ((10.0, -40.0, 0.0), 0.025),
+            ((0.0, 0.0, 0.0), 1.0),
+        ];
+        for ((goal, failed, violation), expected) in cases {
+            let found = scale(goal, failed, violation);
+            assert!(
+                (found - expected).abs() < 1e-15,
+                "{goal}, {failed}, {violation}: {found}, expected {expected}"
+            );
+        }
     }
 }

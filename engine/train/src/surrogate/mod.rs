@@ -4,6 +4,7 @@
 //! sampled observations, and pays the reward of the true state: sample from T and Z, update the
 //! belief, reward. The filter is the robot's own, and runs as often per policy step.
 
+mod curriculum;
 mod draw;
 mod environments;
 mod episode;
@@ -11,6 +12,7 @@ mod senses;
 mod simulator;
 mod unsteady;
 
+pub use curriculum::Curriculum;
 pub use draw::{draw_goal, draw_start};
 pub use environments::{SurrogateEnvironments, TrainingOptions};
 pub use episode::{Episode, Step, Stopped};

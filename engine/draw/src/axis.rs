@@ -49,9 +49,9 @@ impl Axis {
         };
         let step = round_step(knee / 2.0);
         let mut ticks = even_ticks(self.from.max(-knee), self.to.min(knee), step);
-        let beyond = [1.0, 10.0]
+        let beyond = self
+            .decades_beyond(knee)
             .into_iter()
-            .flat_map(|power| [1.0, 2.0, 3.0, 5.0].map(|digit| digit * power * decade(knee)))
             .flat_map(|size| [-size, size])
             .filter(|value| value.abs() > knee && self.contains(*value));
         ticks.extend(beyond.map(|value| (value, String::new())));
@@ -60,6 +60,22 @@ impl Axis {
         }
         ticks.sort_by(|a, b| a.0.total_cmp(&b.0));
         ticks
+    }
+
+    /// Round sizes from the knee's decade on: four in each of two decades, one in each of more.
+    fn decades_beyond(&self, knee: f64) -> Vec<f64> {
+        let first = decade(knee);
+        let reach = self.from.abs().max(self.to.abs());
+        let decades = (reach / first).log10().floor() as i32;
+        let digits: &[f64] = if decades < 2 {
+            &[1.0, 2.0, 3.0, 5.0]
+        } else {
+            &[1.0]
+        };
+        let powers = (0..=decades).map(|power| first * 10f64.powi(power));
+        powers
+            .flat_map(|power| digits.iter().map(move |digit| digit * power))
+            .collect()
     }
 }
 
@@ -119,7 +135,14 @@ mod tests {
     #[test]
     fn ticks_are_round_and_inside() {
         type Case = (f64, f64, Option<f64>, usize, &'static [&'static str]);
-        let cases: [Case; 6] = [
+        let cases: [Case; 7] = [
+            (
+                0.0,
+                40_000.0,
+                Some(10.0),
+                8,
+                &["0", "5", "10", "100", "1000", "10000"],
+            ),
             (-2.5, 127.5, None, 6, &["0", "25", "50", "75", "100", "125"]),
             (-0.6, 28.6, None, 6, &["0", "5", "10", "15", "20", "25"]),
             (-3.0, 17.0, None, 5, &["0", "5", "10", "15"]),

@@ -194,17 +194,13 @@ fn html_stands_alone() {
     // To look at it.
     if let Some(kept) = std::env::var_os("PUBS_KEEP_REPORT") {
         let files = folder.keep();
-        for (name, _) in FIGURE_5
-            .map(|(id, _)| (format!("fig5-{id}"), ()))
-            .into_iter()
-            .chain([
-                ("fig4-violations".to_owned(), ()),
-                ("fig4-frequency".to_owned(), ()),
-            ])
-        {
-            let svg = std::fs::read_to_string(files.join(format!("{name}.svg"))).unwrap();
-            let png = pubs_draw::png(&svg, 1.0).unwrap();
-            std::fs::write(files.join(format!("{name}.png")), png).unwrap();
+        for entry in std::fs::read_dir(&files).unwrap() {
+            let file = entry.unwrap().path();
+            if file.extension().is_some_and(|end| end == "svg") {
+                let svg = std::fs::read_to_string(&file).unwrap();
+                let png = pubs_draw::png(&svg, 1.0).unwrap();
+                std::fs::write(file.with_extension("png"), png).unwrap();
+            }
         }
         std::fs::rename(files, kept).unwrap();
     }

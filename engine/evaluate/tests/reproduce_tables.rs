@@ -7,10 +7,12 @@ mod common;
 use std::path::Path;
 
 use common::{arm, arm_trial, solved, solver, store, trained, training, varied};
+use pubs_evaluate::reproduce::brief::Lead;
 use pubs_evaluate::reproduce::cell::{
     CellResult, EntropyInput, GoalName, Method, Outcome, SolverMethod,
 };
 use pubs_evaluate::reproduce::matrix::{Matrix, Ours};
+use pubs_evaluate::reproduce::paper::GOALS;
 use pubs_evaluate::reproduce::{CELLS, Results, frequency, tables, transfer, violations};
 use tempfile::TempDir;
 
@@ -98,6 +100,13 @@ fn bold_in_the_paper_follows_from_its_numbers() {
     assert_eq!(bold(&open, 2), [false, false, true, false], "PPO at Door 1");
     let closed = bold(&table(GoalName::Closed), 0);
     assert_eq!(closed, [true, false, true, true], "the text names Drawer 2");
+
+    let mut lead = Lead::default();
+    for goal in GOALS {
+        lead.count(&table(goal), |entry| entry.paper, |entry| entry.paper_bold);
+    }
+    let counted = (lead.whole, lead.first, lead.bold);
+    assert_eq!(counted, (12, 9, 11), "of the paper's twelve cells");
 }
 
 #[test]

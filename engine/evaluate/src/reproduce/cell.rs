@@ -100,6 +100,10 @@ pub struct Cell {
 /// What came out of a [`Unit`] of the same kind.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there are hundreds, and nearly all are trainings"
+)]
 pub enum CellResult {
     /// Of [`Unit::Training`].
     Training {

@@ -6,6 +6,7 @@
 //! the paper's tables of it, as numbers, beside those of [`paper`]; [`report`] writes them down
 //! and draws its figures.
 
+pub mod brief;
 pub mod cell;
 pub mod choices;
 pub mod date;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use pubs_draw::DrawError;
 
+use super::brief::brief;
 use super::cell::{Cell, CellResult, Unit};
 use super::document::{Block, Figure, Table};
 use super::html::html;
@@ -86,6 +87,8 @@ pub fn write(
 
 fn blocks(results: &Results, context: &ReportContext) -> Result<Vec<Block>, DrawError> {
     let mut blocks = head(results, context);
+    blocks.push(heading("In brief"));
+    blocks.push(Block::List(brief(results)));
     blocks.extend(table_i(results));
     blocks.extend(figure_4(results)?);
     blocks.extend(table_ii(results));

@@ -20,6 +20,9 @@ const GAP: i32 = 60;
 /// Up to so many violations the scale is linear, beyond logarithmic.
 const KNEE: f64 = 10.0;
 
+/// Above the highest bar, for its number.
+const HEADROOM: f64 = 3.0;
+
 /// Share of a slot that its bar fills.
 const FILLED: f64 = 0.7;
 
@@ -41,7 +44,7 @@ pub(in crate::reproduce) fn bars(goals: &[(&str, Vec<Violations>)]) -> Result<St
                 x: linear(0.0, rows.len() as f64, [start, start + width]),
                 y: Axis {
                     knee: Some(KNEE),
-                    ..linear(0.0, 1.8 * highest, [BOTTOM, TOP])
+                    ..linear(0.0, HEADROOM * highest, [BOTTOM, TOP])
                 },
             };
             let ticks = panel.y.ticks(8);

@@ -7,14 +7,18 @@ use super::palette::action;
 use super::{Panel, sheet};
 use crate::reproduce::heatmap::Heatmap;
 
-const SIZE: [i32; 2] = [1900, 1300];
+const SIZE: [i32; 2] = [2060, 1300];
 const LEFT: i32 = 230;
 const RIGHT: i32 = 1470;
 const TOP: i32 = 160;
 const BOTTOM: i32 = SIZE[1] - 190;
 
-/// A rectangle per run of one action, the goal as a dashed line, a legend of the actions that are
-/// chosen somewhere and of those that never are.
+/// How far a rectangle reaches under its right and upper neighbours, which are drawn later: the
+/// sheet does not shine through between them at any scale.
+const UNDER: i32 = 8;
+
+/// A rectangle per run of one action, the goal as a line, and a legend that says which actions
+/// are never chosen.
 pub(in crate::reproduce) fn heatmap(heatmap: &Heatmap) -> Result<String, DrawError> {
     let columns = edges(&heatmap.mean);
     let rows = edges(&heatmap.entropy);
@@ -27,8 +31,13 @@ pub(in crate::reproduce) fn heatmap(heatmap: &Heatmap) -> Result<String, DrawErr
             let [below, above] = [rows[row], rows[row + 1]].map(|edge| panel.y.at(edge));
             for (first, last, chosen) in runs(actions) {
                 let [start, end] = [columns[first], columns[last + 1]].map(|edge| panel.x.at(edge));
-                // One unit over the edge: no gap shows between neighbours at any scale.
-                pen.rectangle([start, above], [end + 1, below + 1], action(chosen), true)?;
+                let upper_right = [(end + UNDER).min(RIGHT), (above - UNDER).max(TOP)];
+                pen.rectangle(
+                    [start, upper_right[1]],
+                    [upper_right[0], below],
+                    action(chosen),
+                    true,
+                )?;
             }
         }
         goal(pen, &panel, heatmap.goal)?;

@@ -52,9 +52,9 @@ pub(in crate::reproduce) fn lines(lines: &[Line]) -> Result<String, DrawError> {
 
 fn panel(lines: &[Line], measure: fn(&Point) -> Estimate, [start, end]: [i32; 2]) -> Panel {
     let points = lines.iter().flat_map(|line| line.points.iter().flatten());
-    let means = points.map(|point| measure(point).mean);
-    let [least, greatest] = means.fold([f64::INFINITY, f64::NEG_INFINITY], |ends, mean| {
-        [ends[0].min(mean), ends[1].max(mean)]
+    let intervals = points.map(|point| interval(measure(point)));
+    let [least, greatest] = intervals.fold([f64::INFINITY, f64::NEG_INFINITY], |ends, interval| {
+        [ends[0].min(interval[0]), ends[1].max(interval[1])]
     });
     let [least, greatest] = if least <= greatest {
         [least, greatest]
@@ -80,6 +80,11 @@ fn panel(lines: &[Line], measure: fn(&Point) -> Estimate, [start, end]: [i32; 2]
     }
 }
 
+/// With 95 % confidence.
+fn interval(value: Estimate) -> [f64; 2] {
+    [-1.0, 1.0].map(|side| value.mean + side * NORMAL_95 * value.se)
+}
+
 fn draw(
     pen: &mut Pen,
     panel: &Panel,
@@ -100,11 +105,7 @@ fn draw(
         pen.line(&stroke, color, 6)?;
     }
     for (x, value) in run {
-        let interval = [-1.0, 1.0].map(|side| {
-            let end = value.mean + side * NORMAL_95 * value.se;
-            [x, panel.y.at(end)]
-        });
-        pen.line(&interval, color, 4)?;
+        pen.line(&interval(value).map(|end| [x, panel.y.at(end)]), color, 4)?;
         pen.dot([x, panel.y.at(value.mean)], 12, color, 1.0)?;
     }
     Ok(())

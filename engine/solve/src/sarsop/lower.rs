@@ -1,0 +1,110 @@
+//! The lower bound: the best of a set of alpha vectors.
+
+use std::rc::Rc;
+
+use crate::pomdp::Pomdp;
+
+/// A plan's value in each state, and the action that it begins with.
+pub(super) struct Alpha {
+    /// Ascending in the order of making: says which vectors someone has seen.
+    pub id: u32,
+    pub action: usize,
+    pub values: Box<[f64]>,
+}
+
+/// The vectors in use, in ascending order of their ids. A vector that was pruned lives on where a
+/// plan was made of it.
+pub(super) struct LowerBound {
+    live: Vec<Rc<Alpha>>,
+    next_id: u32,
+}
+
+impl LowerBound {
+    /// Begins with one vector for each action.
+    pub fn new(blind: Vec<Vec<f64>>) -> Self {
+        let mut bound = Self {
+            live: Vec::new(),
+            next_id: 0,
+        };
+        for (action, values) in blind.into_iter().enumerate() {
+            bound.insert(action, values);
+        }
+        bound
+    }
+
+    /// Adds a vector and drops those that it is nowhere below.
+    pub fn insert(&mut self, action: usize, values: Vec<f64>) -> Rc<Alpha> {
+        self.live
+            .retain(|other| other.values.iter().zip(&values).any(|(old, new)| old > new));
+        let alpha = Rc::new(Alpha {
+            id: self.next_id,
+            action,
+            values: values.into_boxed_slice(),
+        });
+        self.next_id += 1;
+        self.live.push(Rc::clone(&alpha));
+        alpha
+    }
+
+    /// All vectors in use.
+    pub fn live(&self) -> &[Rc<Alpha>] {
+        &self.live
+    }
+
+    /// Those made since `seen`, which is a value that [`Self::next_id`] once had.
+    pub fn since(&self, seen: u32) -> &[Rc<Alpha>] {
+        let first = self.live.partition_point(|alpha| alpha.id < seen);
+        &self.live[first..]
+    }
+
+    /// The id that the next vector gets.
+    pub fn next_id(&self) -> u32 {
+        self.next_id
+    }
+
+    /// Keeps the vectors whose ids are in `keep` (ascending).
+    pub fn retain(&mut self, keep: &[u32]) {
+        self.live
+            .retain(|alpha| keep.binary_search(&alpha.id).is_ok());
+    }
+}
+
+/// Adds `weight` times the row of observations of each next state to `out`.
+#[inline]
+pub(super) fn add_observations(
+    pomdp: &Pomdp,
+    action: usize,
+    next: usize,
+    weight: f64,
+    out: &mut [f64],
+) {
+    let (columns, values) = pomdp.observation_rows[action].row(next);
+    if columns.len() == out.len() {
+        for (sum, value) in out.iter_mut().zip(values) {
+            *sum += weight * value;
+        }
+        return;
+    }
+    for (&column, value) in columns.iter().zip(values) {
+        out[column as usize] += weight * value;
+    }
+}
+
+/// The vector of doing `action` and then following, after each observation, the vector that
+/// `follow` has for it.
+pub(super) fn backed_up(pomdp: &Pomdp, action: usize, follow: &[&Alpha]) -> Vec<f64> {
+    let observations = &pomdp.observation_rows[action];
+    let future: Vec<f64> = (0..pomdp.states().len())
+        .map(|next| {
+            let entries = observations.entries(next);
+            entries
+                .map(|(observation, likelihood)| likelihood * follow[observation].values[next])
+                .sum()
+        })
+        .collect();
+    let transitions = &pomdp.transitions[action];
+    let rewards = pomdp.rewards[action].iter().enumerate();
+    rewards
+        .map(|(state, reward)| reward + pomdp.discount() * transitions.dot(state, &future))
+        .collect()
+}

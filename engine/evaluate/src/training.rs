@@ -8,21 +8,11 @@ use pubs_core::belief::{BeliefError, Model, ModelError};
 use pubs_core::seed::stream;
 use pubs_policy::{Dense, LstmCell, Network};
 use pubs_train::surrogate::{SurrogateEnvironments, TrainingOptions};
-use pubs_train::{DenseLayer, Lstm, LstmLayer, Progress, Recipe, Settings, TrainError};
+use pubs_train::{DenseLayer, Lstm, LstmLayer, Progress, Settings, TrainError};
 
 use crate::candidates::TrainingPlan;
 use crate::network::{features, scaling};
 use crate::reads::{LSTM_WIDTH, inputs_of};
-
-/// The recipe of a training that nobody gave one: benchmarks are explored in another way than
-/// doors.
-pub fn default_recipe(task: &Task) -> Recipe {
-    if task.control.is_some() {
-        Recipe::standard()
-    } else {
-        Recipe::benchmark()
-    }
-}
 
 /// A trained network and how its training went.
 #[derive(Debug, Clone)]

@@ -6,6 +6,7 @@
 //! alpha vectors needs to follow trials of the object itself.
 
 mod bins;
+mod groups;
 mod observations;
 mod transitions;
 
@@ -20,6 +21,7 @@ use pubs_plugin::{Channel, ChannelKind};
 use pubs_solve::{Pomdp, PomdpError, PomdpParts, Rows};
 use serde::{Deserialize, Serialize};
 
+use groups::Groups;
 use observations::{Observer, channel_bins};
 use transitions::moved;
 
@@ -41,6 +43,7 @@ pub struct Grid {
     pub options: GridOptions,
     channels: Vec<Channel>,
     bins: Vec<Bins>,
+    groups: Groups,
 }
 
 /// Why an object does not go on a grid.
@@ -146,6 +149,7 @@ impl Grid {
         let count = checked_count(&bins, options.observation_bins)?;
         let terminal = states.len();
         let (mut transitions, mut observation_rows) = (Vec::new(), Vec::new());
+        let mut seen_after = Vec::new();
         let mut rewards = Vec::new();
         for (index, action) in task.actions.iter().enumerate() {
             let ends = |state: f64| action.is_stop() || violates_safety(&task.joint, action, state);
@@ -159,15 +163,19 @@ impl Grid {
             }
             rows.push(vec![(terminal, 1.0)]);
             transitions.push(rows);
-            let mut seen = observer.rows(index, action, &states, &bins)?;
-            seen.push(vec![(0, 1.0)]);
-            observation_rows.push(seen);
+            seen_after.push(observer.rows(index, action, &states, &bins)?);
             let mut earned: Vec<f64> = states
                 .iter()
                 .map(|&state| reward(task, action, state, goal))
                 .collect();
             earned.push(0.0);
             rewards.push(earned);
+        }
+        let groups = Groups::of(&seen_after, count);
+        for rows in seen_after {
+            let mut rows = groups.merge(rows);
+            rows.push(vec![(0, 1.0)]);
+            observation_rows.push(rows);
         }
         let names = states.iter().map(|&state| task.joint.display(state));
         let pomdp = Pomdp::new(PomdpParts {
@@ -178,7 +186,7 @@ impl Grid {
                 .iter()
                 .map(|action| action.name.clone())
                 .collect(),
-            observations: (0..count).map(|index| index.to_string()).collect(),
+            observations: (0..groups.count()).map(|index| index.to_string()).collect(),
             discount: task.reward.discount,
             start: start(task, &states),
             transitions,
@@ -190,15 +198,17 @@ impl Grid {
             options,
             channels: model.channels().to_vec(),
             bins,
+            groups,
         })
     }
 
     /// The observation that readings `[C]` fall into.
     pub fn observe(&self, readings: &[f32]) -> usize {
         let channels = self.channels.iter().zip(&self.bins).zip(readings);
-        channels.fold(0, |index, ((_, bins), &reading)| {
+        let place = channels.fold(0, |index, ((_, bins), &reading)| {
             index * bins.count() + bins.place(f64::from(reading))
-        })
+        });
+        self.groups.of_place(place)
     }
 }
 

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use pubs_core::seed::stream;
 use pubs_core::shield::Shield;
 use pubs_policy::{Existing, PolicyFile};
-use pubs_train::Progress;
+use pubs_train::{Progress, Recipe};
 use pubs_train::surrogate::Goals;
 
 use super::cell::{CellResult, Figures, GoalName, Judged};
@@ -14,7 +14,7 @@ use crate::candidates::TrainingPlan;
 use crate::evaluation::{EvaluationOptions, GoalChoice, NetworkContestant, evaluate};
 use crate::policy_file::{contract_of, write};
 use crate::reads::EntropyInput;
-use crate::training::{default_recipe, train_seed};
+use crate::training::train_seed;
 use pubs_policy::Method;
 
 /// What a training cell is of; the fields of its unit.
@@ -43,7 +43,7 @@ pub fn train(
 ) -> Result<CellResult, WorkshopError> {
     let Prepared { task, model } = prepared;
     let goal = goal_state(prepared, cell.goal)?;
-    let mut recipe = default_recipe(task);
+    let mut recipe = Recipe::usual(task);
     recipe.steps = workshop.steps.unwrap_or(recipe.steps);
     let plan = TrainingPlan {
         method: cell.method,

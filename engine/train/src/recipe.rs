@@ -155,6 +155,11 @@ impl Recipe {
         self.steps.div_ceil(self.rollout * self.environments)
     }
 
+    /// Sequences of this many steps in one minibatch.
+    pub(crate) fn sequences(&self, steps: usize) -> usize {
+        (self.minibatch / steps).max(1)
+    }
+
     /// Names the first setting that cannot work.
     pub(crate) fn fault(&self) -> Option<String> {
         let counts = [

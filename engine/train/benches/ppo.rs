@@ -16,8 +16,8 @@ use kernels::buffer::Buffer;
 use kernels::matrix::{Left, Shape, Start, multiply};
 use kernels::tanh::apply_tanh;
 use pubs_train::{
-    End, Environments, InputScaling, Lstm, Recipe, Settings, StepOutcome, VectorUnit, train,
-    train_recurrent,
+    End, Environments, InputScaling, Lstm, Progress, Recipe, Settings, StepOutcome, VectorUnit,
+    train, train_recurrent,
 };
 
 const FEATURES: usize = 3;
@@ -192,32 +192,24 @@ fn settings(recipe: &Recipe) -> Settings {
 fn time(recipe: &Recipe) -> Times {
     let mut walk = Walk::new(recipe.environments);
     let result = train(&mut walk, &settings(recipe), |_| ControlFlow::Continue(()));
-    match result {
-        Ok(trained) => Times {
-            total_s: trained.progress.time_s,
-            learning_s: trained.learning_s,
-            rollout_s: trained.rollout_s,
-        },
-        Err(error) => panic!("training failed: {error}"),
+    let trained = result.unwrap_or_else(|error| panic!("training failed: {error}"));
+    Times {
+        total_s: trained.progress.time_s,
+        learning_s: trained.learning_s,
+        rollout_s: trained.rollout_s,
     }
 }
 
 fn time_recurrent(recipe: &Recipe, layers: usize) -> Times {
+    let width = WIDTH;
     let mut walk = Walk::new(recipe.environments);
-    let lstm = Lstm {
-        layers,
-        width: WIDTH,
-    };
-    let result = train_recurrent(&mut walk, &settings(recipe), lstm, |_| {
-        ControlFlow::Continue(())
-    });
-    match result {
-        Ok(trained) => Times {
-            total_s: trained.progress.time_s,
-            learning_s: trained.learning_s,
-            rollout_s: trained.rollout_s,
-        },
-        Err(error) => panic!("training failed: {error}"),
+    let report = |_: &Progress| ControlFlow::Continue(());
+    let result = train_recurrent(&mut walk, &settings(recipe), Lstm { layers, width }, report);
+    let trained = result.unwrap_or_else(|error| panic!("training failed: {error}"));
+    Times {
+        total_s: trained.progress.time_s,
+        learning_s: trained.learning_s,
+        rollout_s: trained.rollout_s,
     }
 }
 

@@ -3,6 +3,7 @@
 use pubs_core::vector::{LANES, VectorUnit};
 use rand::RngExt;
 
+use crate::kernels::gates::{Cells, PANEL, open_gates};
 use crate::kernels::matrix::{Left, Shape, Start, multiply, padded};
 use crate::kernels::sum::sum_of_squares;
 use crate::kernels::tanh::{apply_tanh, backward_tanh};
@@ -163,5 +164,38 @@ fn squares_are_summed_to_the_last() {
         sum_of_squares(unit, &values, &mut sum);
         // n (n + 1) (2n + 1) / 6 for n = 131.
         assert_eq!(sum, 757_966.0, "{unit}");
+    }
+}
+
+/// One row and group whose four gates, one after the other, run over a wide range.
+#[test]
+fn gates_match_f64_from_end_to_end() {
+    const POINTS: usize = 2001;
+    let at = |i: usize| 40.0 * i as f32 / (POINTS - 1) as f32 - 20.0;
+    let sigmoid = |x: f64| 1.0 / (1.0 + (-x).exp());
+    for unit in VectorUnit::available() {
+        for gate in 0..4 {
+            for i in 0..POINTS {
+                let mut sums = [0.5, -0.4, 0.9, 0.7];
+                sums[gate] = at(i);
+                let mut gates: Vec<f32> = (0..PANEL).map(|n| sums[n / LANES]).collect();
+                let [mut cell, mut cell_tanh, mut hidden] = [[0.0; LANES]; 3];
+                let cells = Cells {
+                    cell: &mut cell,
+                    cell_tanh: &mut cell_tanh,
+                    hidden: &mut hidden,
+                };
+                open_gates(unit, LANES, &mut gates, &[0.6; LANES], cells);
+                let [input, forget, candidate, output] = sums.map(f64::from);
+                let c = sigmoid(forget) * f64::from(0.6_f32) + sigmoid(input) * candidate.tanh();
+                let expected = sigmoid(output) * c.tanh();
+                for h in hidden {
+                    assert!(
+                        (f64::from(h) - expected).abs() < 4e-7,
+                        "{unit}: h = {h}, not {expected}, with gates {sums:?}"
+                    );
+                }
+            }
+        }
     }
 }

@@ -1,11 +1,12 @@
 //! Training: PPO (Schulman et al., 2017) in native `f32`, §III-B and §IV-A.3.
 //!
 //! [`train`] takes copies of a task ([`Environments`]), a [`Recipe`] and a seed, and gives back a
-//! policy as plain layers of weights; [`surrogate`] is the task it learns, the MDP over belief
-//! summaries. `ppo` reads like the algorithm: collect a rollout, estimate
-//! advantages, go over it in minibatches. What takes the time is in `kernels`: loops compiled for
-//! each [`VectorUnit`] and chosen when the program runs. One thread, one seed, named streams of
-//! random numbers ([`rng`]): the same seed gives the same weights on the same vector unit.
+//! policy as plain layers of weights; [`train_recurrent`] does the same with layers of memory
+//! ([`Lstm`]) below them. [`surrogate`] is the task that is learned, the MDP over belief summaries.
+//! `ppo` reads like the algorithm: collect a rollout, estimate advantages, go over it in
+//! minibatches. What takes the time is in `kernels`: loops compiled for each [`VectorUnit`] and
+//! chosen when the program runs. One thread, one seed, named streams of random numbers ([`rng`]):
+//! the same seed gives the same weights on the same vector unit.
 
 mod adam;
 mod agent;

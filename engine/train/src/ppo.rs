@@ -164,7 +164,7 @@ fn learn(
     update: Update,
     generator: &mut Generator,
 ) -> Result<(), f32> {
-    let sequences = (recipe.minibatch / agent.sequence(recipe)).max(1);
+    let sequences = recipe.sequences(agent.sequence(recipe));
     for _ in 0..recipe.epochs {
         order.shuffle(generator);
         for minibatch in order.chunks(sequences) {

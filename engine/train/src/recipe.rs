@@ -205,6 +205,11 @@ impl Recipe {
         }
     }
 
+    /// Sequences of this many steps in one minibatch.
+    pub(crate) fn sequences(&self, steps: usize) -> usize {
+        (self.minibatch / steps).max(1)
+    }
+
     /// Names the first setting that cannot work.
     pub(crate) fn fault(&self) -> Option<String> {
         let counts = [

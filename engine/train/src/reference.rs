@@ -1,7 +1,7 @@
 //! The loss a second time, plainly and in `f64`, to test gradients against: by central differences.
 
 use crate::agent::Update;
-use crate::environment::{Environments, StepOutcome};
+use crate::environment::{End, Environments, StepOutcome};
 use crate::kernels::column::{BLOCK, Column};
 use crate::kernels::matrix::padded;
 use crate::network::{DenseLayer, Network, Workspace};
@@ -20,14 +20,17 @@ pub(crate) const UPDATE: Update = Update {
     gradient_norm: 0.5,
 };
 
-/// Gives a rollout its shape, so many copies; never stepped.
-struct Shape(usize);
+/// Copies that see the time and end their episodes at times of their own.
+pub(crate) struct Clocks {
+    pub(crate) copies: usize,
+    pub(crate) time: usize,
+}
 
-impl Environments for Shape {
+impl Environments for Clocks {
     type Error = std::convert::Infallible;
 
     fn count(&self) -> usize {
-        self.0
+        self.copies
     }
 
     fn features(&self) -> usize {
@@ -38,9 +41,23 @@ impl Environments for Shape {
         ACTIONS
     }
 
-    fn observe(&self, _features: &mut [f32], _allowed: &mut [bool]) {}
+    fn observe(&self, features: &mut [f32], allowed: &mut [bool]) {
+        allowed.fill(true);
+        for (copy, row) in features.chunks_exact_mut(FEATURES).enumerate() {
+            let angle = (self.time * (copy + 1)) as f32;
+            row.copy_from_slice(&[angle.sin(), angle.cos()]);
+        }
+    }
 
-    fn step(&mut self, _: &[usize], _: &mut [StepOutcome]) -> Result<(), Self::Error> {
+    fn step(&mut self, _: &[usize], outcomes: &mut [StepOutcome]) -> Result<(), Self::Error> {
+        self.time += 1;
+        for (copy, outcome) in outcomes.iter_mut().enumerate() {
+            let ends = (self.time + copy).is_multiple_of(copy + 4);
+            *outcome = StepOutcome {
+                end: ends.then_some(End::Terminated),
+                ..StepOutcome::default()
+            };
+        }
         Ok(())
     }
 
@@ -49,7 +66,7 @@ impl Environments for Shape {
 
 /// Samples under an old policy that differs enough to clip some of them.
 pub(crate) fn samples(copies: usize, length: usize) -> Rollout {
-    let mut rollout = Rollout::new(&Shape(copies), length);
+    let mut rollout = Rollout::new(&Clocks { copies, time: 0 }, length);
     let mut generator = stream(5, "samples");
     let mut between = |from: f32, to: f32| generator.random_range(from..to);
     rollout.features.fill_with(|| between(-1.5, 1.5));
@@ -124,7 +141,7 @@ pub(crate) fn perceptron(arrays: &[Vec<f64>], inputs: &[f64]) -> Vec<f64> {
 }
 
 /// Probabilities of the actions in sample `i`.
-fn probabilities(rollout: &Rollout, logits: &[f64], i: usize) -> Vec<f64> {
+pub(crate) fn probabilities(rollout: &Rollout, logits: &[f64], i: usize) -> Vec<f64> {
     let allowed = &rollout.allowed[i * ACTIONS..][..ACTIONS];
     let powers: Vec<f64> = logits
         .iter()

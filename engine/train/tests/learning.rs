@@ -237,6 +237,23 @@ fn faults_are_named() {
 }
 
 #[test]
+fn a_recurrent_recipe_differs_in_its_rollouts_alone() {
+    for recipe in Recipe::all() {
+        let recurrent = recipe.clone().recurrent();
+        let sequences = recurrent.minibatch / recurrent.rollout;
+        assert_eq!(sequences * recurrent.rollout, recurrent.minibatch);
+        assert!(sequences >= 4 && recurrent.environments.is_multiple_of(sequences));
+        let again = Recipe {
+            environments: recipe.environments,
+            rollout: recipe.rollout,
+            minibatch: recipe.minibatch,
+            ..recurrent
+        };
+        assert_eq!(again, recipe);
+    }
+}
+
+#[test]
 fn recipes_are_found_by_name() {
     for recipe in Recipe::all() {
         assert_eq!(recipe.name.parse::<Recipe>().unwrap(), recipe);

@@ -81,7 +81,7 @@ fn new_learner(
     let recipe = &settings.recipe;
     let largest = Span {
         steps: recipe.rollout,
-        rows: (recipe.minibatch / recipe.rollout).clamp(1, recipe.environments),
+        rows: recipe.sequences(recipe.rollout).min(recipe.environments),
     };
     let trainee = |name: &str, outputs: usize, gain: f64| {
         let network = RecurrentNetwork::new(

@@ -12,6 +12,7 @@ except ImportError:
     sys.exit(3)
 
 torch.set_default_dtype(torch.float64)
+torch.set_num_threads(1)
 
 
 def read_arrays():

@@ -1,7 +1,9 @@
 //! Gradients through time against central differences of the same loss in `f64`, and both against
 //! PyTorch.
+#![allow(clippy::unwrap_used)]
 
 mod pytorch;
+mod rollouts;
 
 use super::super::network::RecurrentNetwork;
 use super::super::{Lstm, LstmLayer, RecurrentPolicy};

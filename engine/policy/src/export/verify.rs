@@ -85,7 +85,8 @@ mod tests {
             logits: &episode_logits(&network, &inputs, 3),
             steps: 3,
         };
-        let compare = |network| verify(file.open(&runtime).unwrap(), network, reference).unwrap();
+        let compare =
+            |network: &Network| verify(file.open(&runtime).unwrap(), network, reference).unwrap();
         assert_eq!(compare(&network), None);
         // Counts from the second step on, when the first has left something in h.
         network.lstm[1].weights_hidden[2] += 0.1;

@@ -177,23 +177,17 @@ impl Contract {
     }
 
     fn check_state(&self) -> Result<(), String> {
-        let wanted = match &self.state {
-            None => FORMAT_VERSION,
-            Some(state) => {
-                state.check()?;
-                RECURRENT_FORMAT_VERSION
-            }
+        let (wanted, kind) = match &self.state {
+            None => (FORMAT_VERSION, "without"),
+            Some(_) => (RECURRENT_FORMAT_VERSION, "with"),
         };
-        if self.format_version == wanted {
-            return Ok(());
+        let found = self.format_version;
+        if found != wanted {
+            return Err(format!(
+                "has version {found}, but is one {kind} a state, which is version {wanted}"
+            ));
         }
-        let (found, kind) = (
-            self.format_version,
-            ["without", "with"][usize::from(self.state.is_some())],
-        );
-        Err(format!(
-            "has version {found}, but is one {kind} a state, which is version {wanted}"
-        ))
+        self.state.as_ref().map_or(Ok(()), State::check)
     }
 
     fn check_task(&self) -> Result<(), String> {

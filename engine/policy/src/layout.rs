@@ -149,3 +149,110 @@ fn described(shape: &[Option<u64>]) -> String {
         .collect();
     format!("[{}]", sizes.join(", "))
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use std::collections::BTreeMap;
+
+    fn value(name: &str, batch: Option<u64>, width: u64) -> ValueInfo {
+        ValueInfo {
+            name: name.to_owned(),
+            float32: true,
+            shape: Some(vec![batch, Some(width)]),
+        }
+    }
+
+    /// Two inputs, three actions and a state of four.
+    fn recurrent() -> Model {
+        Model {
+            ir_version: 8,
+            opset: 17,
+            metadata: BTreeMap::new(),
+            inputs: vec![value(INPUT, None, 2), value(STATE_INPUT, None, 4)],
+            outputs: vec![value(OUTPUT, None, 3), value(STATE_OUTPUT, None, 4)],
+            weights_sha256: String::new(),
+            model_sha256: String::new(),
+            not_finite: None,
+        }
+    }
+
+    #[test]
+    fn a_state_reads_by_name() {
+        let wanted = Layout {
+            features: 2,
+            actions: 3,
+            state: 4,
+            single_rows: false,
+        };
+        let mut model = recurrent();
+        assert_eq!(Layout::of_ours(&model, 2, 3, 4).unwrap(), wanted);
+        model.inputs.reverse();
+        model.outputs.reverse();
+        assert_eq!(Layout::of_ours(&model, 2, 3, 4).unwrap(), wanted);
+    }
+
+    #[test]
+    fn a_state_that_is_malformed_is_refused() {
+        type Spoil = fn(&mut Model);
+        let cases: [(Spoil, &str); 11] = [
+            (|m| _ = m.inputs.pop(), "has no input named \"state_in\""),
+            (
+                |m| m.inputs[1].name = "state".into(),
+                "has no input named \"state_in\"",
+            ),
+            (|m| _ = m.outputs.pop(), "has no output named \"state_out\""),
+            (
+                |m| m.inputs[1].shape = Some(vec![None, Some(8)]),
+                "has an input \"state_in\" of shape [any, 8], not [batch, 4]",
+            ),
+            (
+                |m| m.outputs[1].shape = Some(vec![None, Some(2)]),
+                "has an output \"state_out\" of shape [any, 2], not [batch, 4]",
+            ),
+            (
+                |m| m.inputs[1].shape = Some(vec![Some(1), None, Some(4)]),
+                "has an input \"state_in\" of shape [1, any, 4], not [batch, 4]",
+            ),
+            (
+                |m| m.inputs[1].shape = None,
+                "has an input \"state_in\" of shape unknown",
+            ),
+            (
+                |m| m.inputs[1].float32 = false,
+                "has an input \"state_in\" that is not float32",
+            ),
+            (
+                |m| m.inputs[1].shape = Some(vec![Some(1), Some(4)]),
+                "has inputs of different numbers of rows",
+            ),
+            (
+                |m| m.inputs.push(value("mask", None, 1)),
+                "has 3 inputs [\"belief\", \"state_in\", \"mask\"], not \"belief\" and \"state_in\" alone",
+            ),
+            (
+                |m| m.outputs.push(value("value", None, 1)),
+                "has 3 outputs [\"logits\", \"state_out\", \"value\"], not",
+            ),
+        ];
+        for (spoil, part) in cases {
+            let mut model = recurrent();
+            spoil(&mut model);
+            let fault = Layout::of_ours(&model, 2, 3, 4).unwrap_err().to_string();
+            assert!(fault.contains(part), "{fault:?} lacks {part:?}");
+        }
+    }
+
+    #[test]
+    fn a_state_that_nobody_speaks_of_is_refused() {
+        let fault = Layout::of_ours(&recurrent(), 2, 3, 0).unwrap_err();
+        assert_eq!(
+            fault.to_string(),
+            "has 2 inputs [\"belief\", \"state_in\"], not one"
+        );
+        let fault = Layout::of_foreign(&recurrent(), 2, 3).unwrap_err();
+        let part = "a policy of another trainer that carries a state is not supported";
+        assert!(fault.to_string().contains(part), "{fault}");
+    }
+}

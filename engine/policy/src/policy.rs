@@ -263,8 +263,6 @@ impl Policy {
     }
 }
 
-// By value, as `map_err` hands it over.
-#[allow(clippy::needless_pass_by_value)]
 fn failed(fault: ort::Error) -> RunError {
     RunError::Runtime(fault.to_string())
 }

@@ -5,7 +5,7 @@ mod common;
 
 use std::path::Path;
 
-use common::{Random, WIDTHS, network};
+use common::{Random, WIDTHS, network, recurrent};
 use pubs_policy::{Fault, PolicyError, PolicyFile, Runtime};
 
 fn read(directory: &Path, bytes: &[u8]) -> Result<PolicyFile, PolicyError> {
@@ -121,6 +121,11 @@ fn faults_are_told_apart() {
             "sha256 of its contract",
         ),
         (
+            "a contract of a state",
+            patched(&bytes, b"version\x12\x011", b"version\x12\x012"),
+            "sha256 of its contract",
+        ),
+        (
             "a newer contract",
             patched(&bytes, b"version\x12\x011", b"version\x12\x019"),
             "use a newer engine",
@@ -142,6 +147,60 @@ fn faults_are_told_apart() {
     for (name, bytes, part) in cases {
         let fault = read(directory.path(), &bytes).unwrap_err().to_string();
         assert!(fault.contains(part), "{name}: {fault:?} lacks {part:?}");
+    }
+}
+
+#[test]
+fn damage_to_a_recurrent_policy_is_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let runtime = Runtime::tract().unwrap();
+    let (_, bytes) = common::written(directory.path(), &recurrent(1, &[4, 6]), &runtime);
+    let place = |name: &[u8]| {
+        let found = bytes.windows(name.len()).rposition(|window| window == name);
+        found.expect("the name")
+    };
+    let mut flipped_weight = bytes.clone();
+    flipped_weight[place(b"weights_hidden1") + 40] ^= 1;
+    // The widths of the state's parts, of 8 bytes each.
+    let mut other_parts = bytes.clone();
+    other_parts[place(b"state_parts") + 13] ^= 1;
+    let cases = [
+        (
+            "the input's name",
+            patched(&bytes, b"state_in", b"state_im"),
+            "sha256 of its network",
+        ),
+        (
+            "an operator",
+            patched(&bytes, b"Sigmoid", b"Softmax"),
+            "sha256 of its network",
+        ),
+        ("a weight", flipped_weight, "sha256 of its weights"),
+        ("the parts", other_parts, "sha256 of its weights"),
+        (
+            "the widths",
+            patched(&bytes, b"{\"lstm\":[4,6]}", b"{\"lstm\":[6,4]}"),
+            "sha256 of its contract",
+        ),
+        (
+            "a perceptron's contract",
+            patched(&bytes, b"version\x12\x012", b"version\x12\x011"),
+            "sha256 of its contract",
+        ),
+    ];
+    for (name, bytes, part) in cases {
+        let fault = read(directory.path(), &bytes).unwrap_err().to_string();
+        assert!(fault.contains(part), "{name}: {fault:?} lacks {part:?}");
+    }
+    let mut random = Random(21);
+    for _ in 0..300 {
+        let (at, bit) = (random.below(bytes.len()), 1 << random.below(8));
+        let mut damaged = bytes.clone();
+        damaged[at] ^= bit;
+        assert!(
+            read(directory.path(), &damaged).is_err(),
+            "flipping {bit:#04x} of byte {at} is not seen"
+        );
     }
 }
 

@@ -5,7 +5,7 @@ mod common;
 
 use std::path::PathBuf;
 
-use common::{WIDTHS, inputs, logits, network};
+use common::{WIDTHS, inputs, logits, network, recurrent};
 use pubs_policy::{PolicyFile, Runtime, RuntimeError};
 
 #[test]
@@ -39,6 +39,17 @@ fn onnx_runtime_computes_the_same() {
             .zip(&wanted)
             .fold(0.0_f32, |worst, (a, b)| worst.max((a - b).abs()));
         assert!(worst < 2e-5, "{rows} rows: logits differ by {worst}");
+    }
+
+    for lstm in [&[256][..], &[256, 256], &[5, 3]] {
+        let network = recurrent(4, lstm);
+        let (file, _) = common::written(directory.path(), &network, &runtime);
+        let mut policy = file.open(&runtime).unwrap();
+        let (logits, state) = common::worst_over_steps(&mut policy, &network, 3, 50);
+        assert!(
+            logits < 1e-4 && state < 1e-4,
+            "{lstm:?}: logits differ by {logits}, states by {state}"
+        );
     }
 
     // A runtime that loads files with flipped bits: the checks before it must not let one through.

@@ -6,35 +6,9 @@ mod common;
 use common::{contract, episode_logits, inputs, network, recurrent};
 use pubs_policy::onnx::Model;
 use pubs_policy::{
-    Contract, Existing, ExportError, FeatureName, Method, Network, Policy, Reference, RunError,
-    Runtime, State, write,
+    Contract, Existing, ExportError, FeatureName, Method, Network, Reference, RunError, Runtime,
+    State, write,
 };
-
-/// Episodes side by side through the file and the plain forward pass; the largest differences of
-/// logits and of state.
-fn worst(policy: &mut Policy, network: &Network, episodes: usize, steps: usize) -> (f32, f32) {
-    let mut state = vec![0.0; episodes * network.state_width()];
-    let mut wanted_state = state.clone();
-    let mut found = Vec::new();
-    let mut wanted = vec![0.0; episodes * network.actions()];
-    let largest = |a: &[f32], b: &[f32]| {
-        assert_eq!(a.len(), b.len());
-        a.iter()
-            .zip(b)
-            .fold(0.0_f32, |worst, (a, b)| worst.max((a - b).abs()))
-    };
-    let (mut of_logits, mut of_state) = (0.0_f32, 0.0_f32);
-    for step in 0..steps {
-        let inputs = inputs(step as u64, network, episodes);
-        policy
-            .logits_with_state(&inputs, episodes, &mut state, &mut found)
-            .unwrap();
-        network.forward_with_state(&inputs, &mut wanted_state, &mut wanted);
-        of_logits = of_logits.max(largest(&found, &wanted));
-        of_state = of_state.max(largest(&state, &wanted_state));
-    }
-    (of_logits, of_state)
-}
 
 #[test]
 fn random_networks_compute_the_same_after_writing() {
@@ -52,7 +26,7 @@ fn random_networks_compute_the_same_after_writing() {
         let width = 2 * lstm.iter().sum::<usize>();
         assert_eq!((policy.state_width(), file.state_width()), (width, width));
         for episodes in [1, 6] {
-            let (logits, state) = worst(&mut policy, &network, episodes, 50);
+            let (logits, state) = common::worst_over_steps(&mut policy, &network, episodes, 50);
             assert!(
                 logits < 1e-4 && state < 1e-4,
                 "{lstm:?}, {episodes} episodes: logits differ by {logits}, states by {state}"

@@ -57,8 +57,8 @@ impl Case {
             interrupt,
         };
         let arm = Box::new(Dummy::new(self.arm, self.truth, &log));
-        let policies = vec![always(self.action, folder.path())];
         let model: Arc<dyn Model> = Even::new(self.model);
+        let policies = vec![always(self.action, folder.path(), model.as_ref())];
         let report = run(
             &Arc::new(task()),
             arm,

@@ -75,9 +75,13 @@ impl Groups {
 
 /// A column over its largest entry, in whole steps.
 fn proportions(column: &[(u32, f64)]) -> Vec<(u32, u32)> {
-    let largest = column.iter().fold(0.0, |most: f64, entry| most.max(entry.1));
+    let largest = column
+        .iter()
+        .fold(0.0, |most: f64, entry| most.max(entry.1));
     let step = |probability: f64| (probability / largest * STEPS_OF_PROPORTION).round() as u32;
-    let steps = column.iter().map(|&(index, probability)| (index, step(probability)));
+    let steps = column
+        .iter()
+        .map(|&(index, probability)| (index, step(probability)));
     steps.filter(|&(_, step)| step > 0).collect()
 }
 

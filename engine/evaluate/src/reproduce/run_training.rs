@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use pubs_core::seed::stream;
 use pubs_core::shield::Shield;
 use pubs_policy::{Existing, PolicyFile};
-use pubs_train::{Progress, Recipe};
 use pubs_train::surrogate::Goals;
+use pubs_train::{Progress, Recipe};
 
 use super::cell::{CellResult, Figures, GoalName, Judged};
 use super::workshop::{Prepared, Workshop, WorkshopError};

@@ -66,7 +66,33 @@ fn differing(wanted: &[f32], found: &[f32], tolerance: impl Fn(f32) -> f32) -> O
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::Runtime;
+    use crate::common::{episode_logits, inputs, recurrent, written};
+
+    #[test]
+    fn a_state_that_differs_is_found_where_logits_do_not() {
+        let runtime = Runtime::tract().unwrap();
+        let directory = tempfile::tempdir().unwrap();
+        let mut network = recurrent(1, &[4, 6]);
+        // Nothing of the state reaches a logit.
+        network.layers[0].weights.fill(0.0);
+        let (file, _) = written(directory.path(), &network, &runtime);
+        let inputs = inputs(1, &network, 6);
+        let reference = Reference {
+            inputs: &inputs,
+            logits: &episode_logits(&network, &inputs, 3),
+            steps: 3,
+        };
+        let compare =
+            |network: &Network| verify(file.open(&runtime).unwrap(), network, reference).unwrap();
+        assert_eq!(compare(&network), None);
+        // Counts from the second step on, when the first has left something in h.
+        network.lstm[1].weights_hidden[2] += 0.1;
+        let found = compare(&network).unwrap();
+        assert!(found.starts_with("after step 1, number "), "{found}");
+    }
 
     #[test]
     fn agreement_by_hand() {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::*;
-use crate::common::{contract, inputs, logits, network};
+use crate::common::{contract, inputs, logits, network, recurrent};
 use crate::onnx;
 use crate::onnx::testing::{Foreign, foreign};
 
@@ -63,6 +63,56 @@ fn a_graph_that_is_not_as_its_contract_says_is_refused() {
             .to_string();
         assert!(fault.contains(part), "{fault:?} lacks {part:?}");
     }
+}
+
+#[test]
+fn a_state_that_is_not_as_its_contract_says_is_refused() {
+    let (perceptron, recurrent) = (network(1, &[3, 4, 5]), recurrent(1, &[4]));
+    let of_widths = |lstm: &[usize]| {
+        let mut changed = contract(&recurrent);
+        changed.state = Some(State {
+            lstm: lstm.to_vec(),
+        });
+        changed
+    };
+    let cases = [
+        (
+            &recurrent,
+            of_widths(&[5]),
+            "\"state_out\" of shape [any, 8], not [batch, 10]",
+        ),
+        (&recurrent, of_widths(&[]), "has a state of LSTM layers []"),
+        (
+            &recurrent,
+            of_widths(&[4, 0]),
+            "has a state of LSTM layers [4, 0]",
+        ),
+        (
+            &recurrent,
+            of_widths(&[usize::MAX, 2]),
+            "at most 1048576 numbers",
+        ),
+        (&recurrent, contract(&perceptron), "has 2 inputs"),
+        (
+            &perceptron,
+            contract(&recurrent),
+            "has no output named \"state_out\"",
+        ),
+    ];
+    for (network, contract, part) in cases {
+        let fault = open(seal::encode(network, &contract).unwrap())
+            .unwrap_err()
+            .to_string();
+        assert!(fault.contains(part), "{fault:?} lacks {part:?}");
+    }
+}
+
+#[test]
+fn a_foreign_policy_with_a_state_is_refused() {
+    let bytes = onnx::write::model(&recurrent(1, &[4]));
+    let fault = open_foreign(&bytes, &FeatureName::PLAIN[..3], 5).unwrap_err();
+    let part = "carries a state is not supported";
+    assert!(fault.to_string().contains(part), "{fault}");
 }
 
 #[test]

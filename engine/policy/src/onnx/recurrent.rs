@@ -1,7 +1,8 @@
 //! The part of a graph that LSTM layers make, in plain operators.
 //!
-//! The LSTM operator would be shorter, but both runtimes set up a loop over time for it, which a
-//! policy that takes one step per call pays for and does not need.
+//! The LSTM operator takes as long in ONNX Runtime and a quarter less in tract (33 against 42 µs
+//! for one row of one layer of 256), but comes with an axis of time, directions and an order of
+//! gates of its own; a policy takes one step per call, ten times a second.
 
 use super::wire::Writer;
 use super::write::{axis_1, initializer, operator, whole_numbers};
@@ -34,7 +35,7 @@ fn names(layers: usize, parts: [&str; 2]) -> Vec<String> {
     (0..layers).flat_map(of_layer).collect()
 }
 
-/// One product for all four gates: what comes in and h stand side by side, and so do the weights.
+/// All four gates at once: what comes in times its weights, then h times its own on top.
 fn step(m: &mut Writer, layer: usize, values: &str) {
     let own = |name: &str| format!("{name}{layer}");
     let node = |m: &mut Writer, kind, inputs: [&str; 2], output: &str| {
@@ -43,16 +44,11 @@ fn step(m: &mut Writer, layer: usize, values: &str) {
     let activation = |m: &mut Writer, kind, input: &str, output: &str| {
         operator(m, kind, &[own(input)], &[own(output)], &[]);
     };
-    let hidden = own("hidden");
-    operator(
-        m,
-        "Concat",
-        &[values, &hidden],
-        &[own("joined")],
-        &[axis_1()],
-    );
-    let product = ["joined", "lstm_weights", "lstm_bias"].map(own);
-    operator(m, "Gemm", &product, &[own("gates")], &[("transB", 1)]);
+    let of_input = [values.to_owned(), own("weights_input"), own("bias_gates")];
+    let transposed = [("transB", 1)];
+    operator(m, "Gemm", &of_input, &[own("gates_input")], &transposed);
+    let of_hidden = ["hidden", "weights_hidden", "gates_input"].map(own);
+    operator(m, "Gemm", &of_hidden, &[own("gates")], &transposed);
     let gates = ["input_sums", "forget_sums", "candidate_sums", "output_sums"].map(own);
     operator(m, "Split", &[own("gates")], &gates, &[axis_1()]);
     activation(m, "Sigmoid", "input_sums", "input_gate");
@@ -66,6 +62,7 @@ fn step(m: &mut Writer, layer: usize, values: &str) {
     node(m, "Mul", ["output_gate", "bent_cell"], "next_hidden");
 }
 
+/// The weights as they stand in the layers, and the widths of h and c in the state.
 pub fn initializers(m: &mut Writer, layers: &[LstmCell]) {
     if layers.is_empty() {
         return;
@@ -76,19 +73,11 @@ pub fn initializers(m: &mut Writer, layers: &[LstmCell]) {
         .collect();
     whole_numbers(m, "state_parts", &parts);
     for (index, layer) in layers.iter().enumerate() {
-        let shape = [4 * layer.width, layer.inputs + layer.width];
-        initializer(m, &format!("lstm_weights{index}"), &shape, &joined(layer));
-        initializer(m, &format!("lstm_bias{index}"), &shape[..1], &layer.bias);
+        let (gates, name) = (4 * layer.width, |name: &str| format!("{name}{index}"));
+        let input = [gates, layer.inputs];
+        initializer(m, &name("weights_input"), &input, &layer.weights_input);
+        let hidden = [gates, layer.width];
+        initializer(m, &name("weights_hidden"), &hidden, &layer.weights_hidden);
+        initializer(m, &name("bias_gates"), &[gates], &layer.bias);
     }
-}
-
-/// `[4 * width][inputs + width]`.
-fn joined(layer: &LstmCell) -> Vec<f32> {
-    let of_input = layer.weights_input.chunks_exact(layer.inputs);
-    let of_hidden = layer.weights_hidden.chunks_exact(layer.width);
-    of_input
-        .zip(of_hidden)
-        .flat_map(|(input, hidden)| input.iter().chain(hidden))
-        .copied()
-        .collect()
 }

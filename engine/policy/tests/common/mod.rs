@@ -2,8 +2,8 @@
 #![allow(dead_code, clippy::unwrap_used)]
 
 use pubs_policy::{
-    Contract, Dense, Existing, Feature, FeatureName, Goal, LstmCell, Method, Network, PolicyFile,
-    Reference, Runtime, Shield, export,
+    Contract, Dense, Existing, Feature, FeatureName, Goal, LstmCell, Method, Network, Policy,
+    PolicyFile, Reference, Runtime, Shield, export,
 };
 use serde_json::{Value, json};
 
@@ -218,4 +218,35 @@ pub fn written(
     .unwrap();
     let bytes = std::fs::read(path).unwrap();
     (file, bytes)
+}
+
+/// Episodes side by side through the file and the plain forward pass; the largest differences of
+/// logits and of state.
+pub fn worst_over_steps(
+    policy: &mut Policy,
+    network: &Network,
+    episodes: usize,
+    steps: usize,
+) -> (f32, f32) {
+    let mut state = vec![0.0; episodes * network.state_width()];
+    let mut wanted_state = state.clone();
+    let mut found = Vec::new();
+    let mut wanted = vec![0.0; episodes * network.actions()];
+    let largest = |a: &[f32], b: &[f32]| {
+        assert_eq!(a.len(), b.len());
+        a.iter()
+            .zip(b)
+            .fold(0.0_f32, |worst, (a, b)| worst.max((a - b).abs()))
+    };
+    let (mut of_logits, mut of_state) = (0.0_f32, 0.0_f32);
+    for step in 0..steps {
+        let inputs = inputs(step as u64, network, episodes);
+        policy
+            .logits_with_state(&inputs, episodes, &mut state, &mut found)
+            .unwrap();
+        network.forward_with_state(&inputs, &mut wanted_state, &mut wanted);
+        of_logits = of_logits.max(largest(&found, &wanted));
+        of_state = of_state.max(largest(&state, &wanted_state));
+    }
+    (of_logits, of_state)
 }

@@ -15,11 +15,9 @@ use pubs_core::shield::Shield;
 use pubs_core::task::{ObservationTable, PolicySettings};
 use pubs_core::{Action, Joint, JointKind, Mode, Motion, Task};
 use pubs_plugin::{Channel, ChannelKind, DriverStatus, Reading, Support, Transitions, Twist};
-use pubs_policy::{
-    Contract, Dense, Existing, Feature, FeatureName, Network, Policy, Reference, Runtime,
-};
+use pubs_policy::{Contract, Dense, Existing, Feature, FeatureName, Network, Reference, Runtime};
 use pubs_run::clock::now_ns;
-use pubs_run::{Arm, ArmError};
+use pubs_run::{Actor, Arm, ArmError};
 
 pub const SECOND: u64 = 1_000_000_000;
 /// When the dummy's trouble begins, after the start.
@@ -311,7 +309,7 @@ pub fn task() -> Task {
 }
 
 /// A policy that always wants the same action.
-pub fn always(action: usize, folder: &Path) -> Policy {
+pub fn always(action: usize, folder: &Path, model: &dyn Model) -> Actor {
     let feature = |name, upper| Feature {
         name,
         unit: "1".to_owned(),
@@ -382,5 +380,5 @@ pub fn always(action: usize, folder: &Path) -> Policy {
         Existing::Replace,
     )
     .unwrap();
-    file.open(&runtime).unwrap()
+    Actor::open(&file, &runtime, model).unwrap()
 }

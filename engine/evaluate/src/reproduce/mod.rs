@@ -23,6 +23,7 @@ mod sections;
 pub mod seeds;
 pub mod tables;
 pub mod transfer;
+mod unit;
 pub mod violations;
 
 pub use heatmap::Heatmap;

@@ -31,6 +31,7 @@ mod sections;
 pub mod seeds;
 pub mod tables;
 pub mod transfer;
+mod unit;
 pub mod violations;
 pub mod workshop;
 

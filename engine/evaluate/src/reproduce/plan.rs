@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::str::FromStr;
 
-use super::cell::{GoalName, SolverMethod, Unit};
 use super::paper::{FREQUENCIES, GOALS, OBJECTS};
+use super::unit::{GoalName, SolverMethod, Unit};
 use crate::reads::EntropyInput;
 use pubs_policy::Method;
 

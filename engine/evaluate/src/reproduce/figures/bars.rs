@@ -28,7 +28,7 @@ const FILLED: f64 = 0.7;
 
 /// A panel per goal, a bar per method: best seeds, with a dot at the mean over all.
 pub(in crate::reproduce) fn bars(goals: &[(&str, Vec<Violations>)]) -> Result<String, DrawError> {
-    sheet(SIZE, "Safety violations in 10,000 trials per task", |pen| {
+    sheet(SIZE, &title(goals), |pen| {
         if let Some((_, rows)) = goals.first() {
             legend(pen, rows)?;
         }
@@ -74,6 +74,16 @@ pub(in crate::reproduce) fn bars(goals: &[(&str, Vec<Violations>)]) -> Result<St
         };
         pen.text(&note, [125, (TOP + BOTTOM) / 2], small)
     })
+}
+
+/// With the number of trials, where something has been run.
+fn title(goals: &[(&str, Vec<Violations>)]) -> String {
+    let rows = goals.iter().flat_map(|(_, rows)| rows);
+    let count = rows.flat_map(|row| row.objects.iter().flatten()).next();
+    let trials = count.map_or_else(String::new, |count| {
+        format!(" in {} trials per task", count.trials)
+    });
+    format!("Safety violations{trials}")
 }
 
 fn linear(from: f64, to: f64, [start, end]: [i32; 2]) -> Axis {

@@ -1,16 +1,18 @@
 //! `pubs-engine`: moves doors and drawers to a chosen joint state by touch alone.
 //!
 //! One file per verb in `verbs`; what they share is [`object`] (an object file made ready),
-//! [`policies`] (finding or training one), [`show`] (what goes to stdout and stderr) and
+//! [`policies`] (finding or training one), [`pomdp_file`] (a POMDP from its file), [`show`] (what goes to stdout and stderr) and
 //! [`failure`] (how a verb ends that cannot go on). Exit codes are in [`exit`].
 
 mod built_in;
 mod driver;
 mod exit;
 mod failure;
+mod grid;
 mod object;
 mod options;
 mod policies;
+mod pomdp_file;
 mod show;
 mod training;
 mod verbs;
@@ -49,6 +51,8 @@ enum Verb {
     Evaluate(verbs::evaluate::Arguments),
     /// Run the paper's evaluation and report it beside the paper's numbers
     Reproduce(verbs::reproduce::Arguments),
+    /// Solve a discrete POMDP
+    Solve(verbs::solve::Arguments),
     /// List plugins, or check one
     Plugins(verbs::plugins::Arguments),
 }
@@ -65,6 +69,7 @@ fn main() -> ExitCode {
         Verb::Train(arguments) => verbs::train::run(&arguments),
         Verb::Evaluate(arguments) => verbs::evaluate::run(&arguments),
         Verb::Reproduce(arguments) => verbs::reproduce::run(&arguments),
+        Verb::Solve(arguments) => verbs::solve::run(&arguments),
         Verb::Plugins(arguments) => verbs::plugins::run(&arguments),
     };
     match result {

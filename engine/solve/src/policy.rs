@@ -13,6 +13,7 @@
 //! | `discount` | the problem's discount |
 //! | `states` | how many states there are |
 //! | `actions` | names of the actions |
+//! | `origin` | what the problem was made of, by whoever made it; left out for a file of its own |
 //! | `alpha_vectors` | a list of `{ "action": index, "values": [one for each state] }` |
 
 use std::fs;
@@ -20,6 +21,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use thiserror::Error;
 
 use crate::pomdp::Pomdp;
@@ -51,6 +53,8 @@ pub struct AlphaPolicy {
     discount: f64,
     states: usize,
     actions: Vec<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    origin: Option<Value>,
     alpha_vectors: Vec<AlphaVector>,
 }
 
@@ -108,8 +112,20 @@ impl AlphaPolicy {
             discount: pomdp.discount(),
             states: pomdp.states().len(),
             actions: pomdp.actions().to_vec(),
+            origin: None,
             alpha_vectors,
         }
+    }
+
+    /// The same, with a word on what the problem was made of, so that it can be made again.
+    pub fn with_origin(mut self, origin: Value) -> Self {
+        self.origin = Some(origin);
+        self
+    }
+
+    /// What the problem was made of, where it was not a file of its own.
+    pub fn origin(&self) -> Option<&Value> {
+        self.origin.as_ref()
     }
 
     /// The index of the action to take at a belief (one probability for each state).

@@ -9,5 +9,6 @@ pub mod plugin_check;
 pub mod plugins;
 pub mod reproduce;
 pub mod run;
+pub mod solve;
 pub mod survey;
 pub mod train;

@@ -36,6 +36,9 @@ pub struct Arguments {
     /// Only these parts: table1 (with fig. 4 top), table2, table3, table4, fig4 (bottom), fig5
     #[arg(long, value_delimiter = ',', value_name = "PARTS")]
     only: Vec<Part>,
+    /// Only cells whose names hold one of these, such as lstm1 or door2-middle
+    #[arg(long, value_delimiter = ',', value_name = "WORDS")]
+    cells: Vec<String>,
     /// Trainings of each kind, of which the best is shown
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=1000))]
     seeds: u64,
@@ -108,10 +111,17 @@ pub fn run(arguments: &Arguments) -> Ended {
         max_steps: MAX_STEPS,
         steps: arguments.steps.map(|steps| steps as usize),
     };
-    let units = plan(&options(
+    let mut units = plan(&options(
         arguments,
         arguments.only.iter().copied().collect(),
     ));
+    let named = |id: &str| {
+        arguments
+            .cells
+            .iter()
+            .any(|word| id.contains(word.as_str()))
+    };
+    units.retain(|unit| arguments.cells.is_empty() || named(&unit.id()));
     let mut summary = if arguments.report_only {
         Summary::of(&vec![None; units.len()], &units)
     } else {

@@ -8,9 +8,11 @@
 mod bins;
 mod groups;
 mod observations;
+mod origin;
 mod transitions;
 
 pub use bins::Bins;
+pub use origin::GridOrigin;
 
 use std::fmt;
 

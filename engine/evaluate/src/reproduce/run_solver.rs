@@ -11,7 +11,7 @@ use super::run_training::goal_state;
 use super::workshop::{Prepared, Workshop, WorkshopError};
 use crate::alpha_decider::AlphaContestant;
 use crate::evaluation::{EvaluationOptions, GoalChoice, evaluate};
-use crate::grid::{Grid, GridOptions};
+use crate::grid::{Grid, GridOptions, GridOrigin};
 
 /// The gap at which a solver is done before its time, in units of reward.
 const PRECISION: f64 = 1e-3;
@@ -26,6 +26,7 @@ pub fn solve(
     id: &str,
     method: SolverMethod,
     timeout_s: f64,
+    belief_frequency: Option<u32>,
     report: &dyn Fn(f32) -> ControlFlow<()>,
 ) -> Result<CellResult, WorkshopError> {
     let Prepared { task, model } = prepared;
@@ -52,9 +53,16 @@ pub fn solve(
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(WorkshopError::of)?;
     }
-    solution.policy.write(&path).map_err(WorkshopError::of)?;
+    let origin = GridOrigin {
+        object: task.name.clone(),
+        goal,
+        grid: grid.options,
+        belief_frequency,
+    };
+    let policy = solution.policy.with_origin(origin.to_value());
+    policy.write(&path).map_err(WorkshopError::of)?;
     let contestant = AlphaContestant {
-        policy: &solution.policy,
+        policy: &policy,
         grid: &grid,
     };
     let options = EvaluationOptions {
@@ -69,7 +77,7 @@ pub fn solve(
     Ok(CellResult::Solver {
         lower: solution.lower,
         upper: solution.upper,
-        alpha_vectors: solution.policy.alpha_vectors().len() as u64,
+        alpha_vectors: policy.alpha_vectors().len() as u64,
         solve_s: solution.time_s,
         policy: name,
         evaluation: Figures::from(&evaluation),

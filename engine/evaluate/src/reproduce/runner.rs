@@ -180,13 +180,17 @@ impl Job<'_> {
                 })
             }
             Unit::Solver {
-                method, timeout_s, ..
+                method,
+                timeout_s,
+                belief_frequency,
+                ..
             } => run_solver::solve(
                 self.workshop,
                 prepared,
                 &self.unit.id(),
                 *method,
                 *timeout_s,
+                *belief_frequency,
                 &|share| {
                     progress(share);
                     self.flow()

@@ -1,5 +1,9 @@
 //! `pubs-engine evaluate`: many simulated trials of a policy.
 
+mod alpha;
+mod problem;
+mod words;
+
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -10,6 +14,7 @@ use pubs_evaluate::{Evaluation, EvaluationOptions, GoalChoice, NetworkContestant
 use pubs_policy::{FeatureName, PolicyFile, Runtime};
 use serde::Serialize;
 
+use self::alpha::origin_of;
 use crate::failure::Failure;
 use crate::object::Ready;
 use crate::options::{FrequencyOptions, LayerOptions, RuntimeOptions};
@@ -20,13 +25,17 @@ use crate::{Ended, built_in, exit, object, show};
 #[command(
     after_help = "Examples: pubs-engine evaluate policies/door2.onnx --trials 10000
           pubs-engine evaluate policies/door2.onnx --goal 0.5 --no-shield --json
-          pubs-engine evaluate policies/door2.onnx other.onnx --goal 0.5   # on the same trials"
+          pubs-engine evaluate policies/door2.onnx other.onnx --goal 0.5   # on the same trials
+          pubs-engine evaluate sim_object.policy.json
+          pubs-engine evaluate tiger.policy.json --object tiger.pomdp"
 )]
 pub struct Arguments {
-    /// Policy files, all of one object; they are judged on the same trials
+    /// Policy files, all of one object; they are judged on the same trials. Networks (.onnx), or
+    /// alpha vectors (.json) as `solve` writes them
     #[arg(required = true, value_name = "POLICY")]
     policies: Vec<PathBuf>,
-    /// Object file [default: objects/OBJECT.toml beside the policy's folder]
+    /// Object file [default: objects/OBJECT.toml beside the policy's folder]; or a .pomdp file, for
+    /// alpha vectors that were solved from one
     #[arg(long, value_name = "FILE")]
     object: Option<PathBuf>,
     /// Goal of every trial [default: the policy's; for one that serves every goal, drawn per trial]
@@ -71,7 +80,8 @@ struct Report {
     seed: u64,
     #[serde(flatten)]
     evaluation: Evaluation,
-    runtime: &'static str,
+    /// Null for alpha vectors, which need none.
+    runtime: Option<&'static str>,
 }
 
 /// Several policies' figures on the same trials.
@@ -81,19 +91,35 @@ struct Reports<'a> {
 }
 
 pub fn run(arguments: &Arguments) -> Ended {
+    if let Some(file) = arguments
+        .object
+        .as_deref()
+        .filter(|file| has_end(file, "pomdp"))
+    {
+        return problem::run(arguments, file);
+    }
     let registry = built_in::registry(&arguments.layers.plugin_dirs);
     let object_path = object_path(arguments)?;
+    let solved = origin_of(&arguments.policies[0])?;
+    let frequency = arguments
+        .frequency
+        .belief_frequency
+        .or_else(|| solved.and_then(|origin| origin.belief_frequency));
     let ready = object::ready(
         &object_path,
         &arguments.layers.overrides(),
-        arguments.frequency.belief_frequency,
+        frequency,
         &registry,
         arguments.seed,
     )?;
     let runtime = arguments.runtime.runtime()?;
     let mut reports = Vec::new();
     for path in &arguments.policies {
-        reports.push(judge(arguments, path, &ready, &runtime)?);
+        reports.push(if has_end(path, "json") {
+            alpha::judge(arguments, path, &ready)?
+        } else {
+            judge(arguments, path, &ready, &runtime)?
+        });
     }
     match reports.as_slice() {
         [report] if arguments.json => show::print_json(report)?,
@@ -103,7 +129,7 @@ pub fn run(arguments: &Arguments) -> Ended {
         reports => {
             let texts: Vec<String> = reports
                 .iter()
-                .map(|report| text(&ready.task.joint, report, reports.len() > 1))
+                .map(|report| words::text(&ready.task.joint, report, reports.len() > 1))
                 .collect();
             show::print(&texts.join("\n\n"))?;
         }
@@ -111,7 +137,25 @@ pub fn run(arguments: &Arguments) -> Ended {
     Ok(exit::DONE)
 }
 
-/// The figures of one policy.
+impl Arguments {
+    /// The trials that are asked for, without a shield.
+    fn trials_of(&self, goal: Option<f64>) -> EvaluationOptions {
+        EvaluationOptions {
+            trials: self.trials,
+            goal: goal.map_or(GoalChoice::Drawn, GoalChoice::One),
+            max_steps: self.max_steps,
+            shield: None,
+            seed: self.seed,
+            threads: self.threads.map(usize::from),
+        }
+    }
+}
+
+fn has_end(path: &Path, end: &str) -> bool {
+    path.extension().is_some_and(|found| found == end)
+}
+
+/// The figures of one network.
 fn judge(
     arguments: &Arguments,
     path: &Path,
@@ -135,12 +179,8 @@ fn judge(
     let believes = file.inputs().iter().any(FeatureName::is_of_belief);
     let shield = believes && !arguments.no_shield;
     let options = EvaluationOptions {
-        trials: arguments.trials,
-        goal: goal.map_or(GoalChoice::Drawn, GoalChoice::One),
-        max_steps: arguments.max_steps,
         shield: shield.then_some(task.policy.shield),
-        seed: arguments.seed,
-        threads: arguments.threads.map(usize::from),
+        ..arguments.trials_of(goal)
     };
     let contestant = NetworkContestant {
         file: &file,
@@ -155,7 +195,7 @@ fn judge(
         shield,
         seed: arguments.seed,
         evaluation,
-        runtime: runtime.version(),
+        runtime: Some(runtime.version()),
     })
 }
 
@@ -182,12 +222,15 @@ fn object_path(arguments: &Arguments) -> Result<PathBuf, Failure> {
         ));
     }
     let policy = &arguments.policies[0];
-    let file =
-        PolicyFile::read(policy).map_err(|error| Failure::incompatible(error.to_string()))?;
-    let name = file
-        .contract()
-        .map(|contract| contract.object.clone())
-        .unwrap_or_default();
+    let name = match origin_of(policy)? {
+        Some(origin) => origin.object,
+        None => {
+            let file = PolicyFile::read(policy)
+                .map_err(|error| Failure::incompatible(error.to_string()))?;
+            let contract = file.contract();
+            contract.map_or_else(String::new, |contract| contract.object.clone())
+        }
+    };
     let folder = policy
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty());
@@ -207,54 +250,4 @@ fn object_path(arguments: &Arguments) -> Result<PathBuf, Failure> {
         beside.display(),
         here.display()
     )))
-}
-
-fn text(joint: &Joint, report: &Report, named: bool) -> String {
-    let found = &report.evaluation;
-    let error = found
-        .mean_goal_error
-        .map_or_else(|| "–".to_owned(), |error| joint.display(error));
-    let head = if named {
-        format!("{}\n", report.policy.display())
-    } else {
-        String::new()
-    };
-    let coverage = found.coverage_90.map_or_else(
-        || "no belief".to_owned(),
-        |share| {
-            format!(
-                "90 % interval held the true state in {:.1} %",
-                100.0 * share
-            )
-        },
-    );
-    format!(
-        "{head}{}, goal {}, {} trials, shield {}\n\
-         reward             {:.4} ± {:.4}\n\
-         discounted reward  {:.4} ± {:.4}\n\
-         success            {:.2} %\n\
-         safety violations  {}\n\
-         time-outs          {}\n\
-         failed stops       {}\n\
-         goal error         {error} (mean of the stops)\n\
-         steps              {:.1}\n\
-         {coverage}\n\
-         {:.2} s, {:.0} trials/s on {}",
-        report.object,
-        report.goal,
-        found.trials,
-        if report.shield { "on" } else { "off" },
-        found.mean_reward,
-        found.mean_reward_se,
-        found.mean_discounted_reward,
-        found.mean_discounted_reward_se,
-        100.0 * found.success_rate,
-        found.safety_violations,
-        found.time_outs,
-        found.failed_stops,
-        found.mean_steps,
-        found.time_s,
-        found.trials_per_s,
-        found.vector_unit,
-    )
 }

@@ -6,7 +6,7 @@ mod common;
 
 use std::path::Path;
 
-use common::{arm, arm_trial, solved, solver, store, trained, training, varied};
+use common::{arm, arm_trial, solved, solver, store, trained, training, under_shield, varied};
 use pubs_evaluate::reproduce::cell::{CellResult, EntropyInput, GoalName, Method, Outcome, Unit};
 use pubs_evaluate::reproduce::paper::{ABLATED, ENTROPIES, FREQUENCIES, GOALS, METHODS, OBJECTS};
 use pubs_evaluate::reproduce::report::{self, FIGURE_5, ReportContext};
@@ -74,7 +74,11 @@ fn units() -> Vec<Unit> {
         for method in METHODS {
             let seeds = if method == Method::Lstm2 { 1 } else { 5 };
             let of = |object| (1..=seeds).map(move |seed| training(object, goal, method, seed));
-            units.extend(OBJECTS.into_iter().flat_map(of));
+            let trained: Vec<Unit> = OBJECTS.into_iter().flat_map(of).collect();
+            if method == Method::Pubs {
+                units.extend(trained.iter().cloned().map(under_shield));
+            }
+            units.extend(trained);
         }
     }
     let own = GoalName::Own;

@@ -6,7 +6,7 @@ mod common;
 
 use std::path::Path;
 
-use common::{arm, arm_trial, solved, solver, store, trained, training, varied};
+use common::{arm, arm_trial, solved, solver, store, trained, training, under_shield, varied};
 use pubs_evaluate::reproduce::brief::Lead;
 use pubs_evaluate::reproduce::cell::{
     CellResult, EntropyInput, GoalName, Method, Outcome, SolverMethod,
@@ -31,6 +31,7 @@ fn best_seed_is_chosen_on_the_selection_and_shown_fresh() {
     for (seed, selection, fresh) in [(1, 0.90, 0.80), (2, 0.95, 0.85), (3, 0.91, 0.89)] {
         let unit = training("door2", GoalName::Middle, Method::Pubs, seed);
         let result = trained(selection, fresh, 0.002, 3, true);
+        store(folder.path(), under_shield(unit.clone()), result.clone());
         store(folder.path(), unit, result);
     }
     // On either side of 0.85 - 1.96 · 0.002 = 0.84608.
@@ -120,6 +121,7 @@ fn violations_are_summed_over_objects() {
     for (object, seed, selection, count) in cells {
         let unit = training(object, GoalName::Open, Method::Pubs, seed);
         let result = trained(selection, 0.5, 0.001, count, true);
+        store(folder.path(), under_shield(unit.clone()), result.clone());
         store(folder.path(), unit, result);
     }
     let results = Results::read(folder.path()).unwrap();

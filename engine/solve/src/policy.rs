@@ -25,7 +25,7 @@ use serde_json::Value;
 use thiserror::Error;
 
 use crate::pomdp::Pomdp;
-use crate::solve::{Method, dot};
+use crate::solve::Method;
 
 const FORMAT: &str = "pubs-solve alpha vectors";
 const VERSION: u32 = 1;
@@ -140,9 +140,19 @@ impl AlphaPolicy {
     }
 
     fn best(&self, belief: &[f64]) -> (usize, f64) {
+        // A belief that has seen something holds few states.
+        let held: Vec<(usize, f64)> = belief
+            .iter()
+            .copied()
+            .enumerate()
+            .filter(|&(_, weight)| weight > 0.0)
+            .collect();
         let mut best = (0, f64::NEG_INFINITY);
         for vector in &self.alpha_vectors {
-            let value = dot(&vector.values, belief);
+            let value = held
+                .iter()
+                .map(|&(s, weight)| vector.values[s] * weight)
+                .sum();
             if value > best.1 {
                 best = (vector.action, value);
             }

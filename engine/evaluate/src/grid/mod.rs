@@ -175,9 +175,7 @@ impl Grid {
         }
         let groups = Groups::of(&seen_after, count);
         for rows in seen_after {
-            let mut rows = groups.merge(rows);
-            rows.push(vec![(0, 1.0)]);
-            observation_rows.push(rows);
+            observation_rows.push(with_ends(groups.merge(rows)));
         }
         let names = states.iter().map(|&state| task.joint.display(state));
         let pomdp = Pomdp::new(PomdpParts {
@@ -222,6 +220,15 @@ impl fmt::Display for GridOptions {
             self.bins, self.observation_bins
         )
     }
+}
+
+/// Rows with that of the terminal state: where nothing is read, the first observation stands for it.
+fn with_ends(mut rows: Rows) -> Rows {
+    rows.push(Vec::new());
+    for row in rows.iter_mut().filter(|row| row.is_empty()) {
+        row.push((0, 1.0));
+    }
+    rows
 }
 
 fn checked_count(bins: &[Bins], asked: usize) -> Result<usize, GridError> {

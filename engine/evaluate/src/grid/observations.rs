@@ -95,7 +95,8 @@ impl<'a> Observer<'a> {
         Ok(counts.max().unwrap_or(2).max(2))
     }
 
-    /// Probabilities of the observations after `action` led to each of `states`.
+    /// Probabilities of the observations after `action` led to each of `states`; nothing is read
+    /// after a stop.
     pub(super) fn rows(
         &mut self,
         index: usize,
@@ -104,7 +105,7 @@ impl<'a> Observer<'a> {
         bins: &[Bins],
     ) -> Result<Rows, GridError> {
         if action.is_stop() {
-            return Ok(vec![vec![(0, 1.0)]; states.len()]);
+            return Ok(vec![Vec::new(); states.len()]);
         }
         states
             .iter()

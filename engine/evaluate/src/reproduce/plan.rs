@@ -4,7 +4,9 @@ use std::collections::BTreeSet;
 use std::str::FromStr;
 
 use super::paper::{FREQUENCIES, GOALS, OBJECTS};
-use super::unit::{GoalName, SolverMethod, Unit};
+use super::runner::HEATMAPS_OF;
+use super::seeds::Training;
+use super::unit::{GoalName, SolverMethod, Unit, explored_under_shield};
 use crate::reads::EntropyInput;
 use pubs_policy::Method;
 
@@ -49,8 +51,9 @@ pub fn plan(options: &PlanOptions) -> Vec<Unit> {
     let asked = |part: Part| options.parts.is_empty() || options.parts.contains(&part);
     let mut units = Vec::new();
     if asked(Part::Table1) {
-        units.extend(table_1(options, Method::Pubs));
-        units.extend(table_1(options, Method::Ppo));
+        units.extend(table_1(options, Method::Pubs, false));
+        units.extend(table_1(options, Method::Pubs, true));
+        units.extend(table_1(options, Method::Ppo, false));
     }
     if asked(Part::Table2) {
         units.extend(table_2(options));
@@ -68,21 +71,23 @@ pub fn plan(options: &PlanOptions) -> Vec<Unit> {
         units.extend(table_4(options));
     }
     if asked(Part::Table1) {
-        units.extend(table_1(options, Method::Lstm1));
-        units.extend(table_1(options, Method::Lstm2));
+        units.extend(table_1(options, Method::Lstm1, false));
+        units.extend(table_1(options, Method::Lstm2, false));
     }
     let mut seen = BTreeSet::new();
     units.retain(|unit| seen.insert(unit.id()));
     units
 }
 
-fn table_1(options: &PlanOptions, method: Method) -> Vec<Unit> {
+fn table_1(options: &PlanOptions, method: Method, shielded: bool) -> Vec<Unit> {
     let seeds = match method.lstm_layers() {
         0 => options.seeds,
         _ => options.recurrent_seeds,
     };
     let of_seed = |seed| {
-        let of_goal = move |goal| OBJECTS.map(|task| training(task, goal, method, seed));
+        let of_goal = move |goal| {
+            OBJECTS.map(|task| Trained::new(task, goal, method).under(shielded).unit(seed))
+        };
         GOALS.into_iter().flat_map(of_goal)
     };
     (1..=seeds).flat_map(of_seed).collect()
@@ -101,30 +106,21 @@ fn table_2(options: &PlanOptions) -> Vec<Unit> {
 }
 
 fn benchmarks(options: &PlanOptions) -> impl Iterator<Item = Unit> {
-    let of_seed = |seed| BENCHMARKS.map(|task| training(task, GoalName::Own, Method::Pubs, seed));
+    let of_seed =
+        |seed| BENCHMARKS.map(|task| Trained::new(task, GoalName::Own, Method::Pubs).unit(seed));
     (1..=options.seeds).flat_map(of_seed)
 }
 
 fn figure_4(options: &PlanOptions) -> Vec<Unit> {
+    let light_dark = Trained::new("light_dark", GoalName::Own, Method::Pubs);
     // The object file itself stands for the fastest.
     let [slower @ .., _] = FREQUENCIES;
-    let of_seed = |seed| slower.map(|frequency| at_frequency(frequency, seed));
+    let of_seed = |seed| slower.map(|frequency| light_dark.at(frequency).unit(seed));
     let own = |unit: &Unit| unit.task() == "light_dark";
     let frequencies = (1..=options.seeds).flat_map(of_seed);
     frequencies
         .chain(table_2(options).into_iter().filter(own))
         .collect()
-}
-
-fn at_frequency(frequency: u32, seed: u64) -> Unit {
-    let mut unit = training("light_dark", GoalName::Own, Method::Pubs, seed);
-    if let Unit::Training {
-        belief_frequency, ..
-    } = &mut unit
-    {
-        *belief_frequency = Some(frequency);
-    }
-    unit
 }
 
 fn table_3(options: &PlanOptions) -> Vec<Unit> {
@@ -134,26 +130,32 @@ fn table_3(options: &PlanOptions) -> Vec<Unit> {
             let objects = OBJECTS.map(|task| (task, GoalName::Middle));
             let benchmarks = BENCHMARKS.map(|task| (task, GoalName::Own));
             let tasks = objects.into_iter().chain(benchmarks);
-            units.extend(tasks.map(|(task, goal)| ablation(task, goal, entropy, seed)));
+            units.extend(tasks.map(|(task, goal)| {
+                Trained::new(task, goal, Method::Pubs)
+                    .with(entropy)
+                    .unit(seed)
+            }));
         }
     }
     units
 }
 
 fn figure_5(options: &PlanOptions) -> Vec<Unit> {
-    let of_seed = |seed| {
-        [
-            training("door2", GoalName::Middle, Method::Pubs, seed),
-            training("drawer2", GoalName::Closed, Method::Pubs, seed),
-            training("light_dark", GoalName::Own, Method::Pubs, seed),
-        ]
-    };
+    let of_seed =
+        |seed| HEATMAPS_OF.map(|(task, goal)| Trained::new(task, goal, Method::Pubs).unit(seed));
     (1..=options.seeds).flat_map(of_seed).collect()
 }
 
-/// The policies of the middle goal, and the trials that take the best of them.
+/// The policies of the middle goal under the shield, as `run` has it, and the trials that take the
+/// best of them.
 fn table_4(options: &PlanOptions) -> Vec<Unit> {
-    let of_seed = |seed| OBJECTS.map(|task| training(task, GoalName::Middle, Method::Pubs, seed));
+    let of_seed = |seed| {
+        OBJECTS.map(|task| {
+            Trained::new(task, GoalName::Middle, Method::Pubs)
+                .under(true)
+                .unit(seed)
+        })
+    };
     let arm = |drift| {
         OBJECTS.map(|task| Unit::Arm {
             task: task.to_owned(),
@@ -165,30 +167,44 @@ fn table_4(options: &PlanOptions) -> Vec<Unit> {
     policies.chain(arm(false)).chain(arm(true)).collect()
 }
 
-fn training(task: &str, goal: GoalName, method: Method, seed: u64) -> Unit {
-    let entropy = if method.has_belief() {
-        EntropyInput::Belief
-    } else {
-        EntropyInput::None
-    };
-    Unit::Training {
-        task: task.to_owned(),
-        goal,
-        method,
-        entropy,
-        belief_frequency: None,
-        seed,
-    }
-}
+/// A training that is to be run with some seeds.
+#[derive(Clone, Copy)]
+struct Trained<'a>(Training<'a>);
 
-fn ablation(task: &str, goal: GoalName, entropy: EntropyInput, seed: u64) -> Unit {
-    Unit::Training {
-        task: task.to_owned(),
-        goal,
-        method: Method::Pubs,
-        entropy,
-        belief_frequency: None,
-        seed,
+impl<'a> Trained<'a> {
+    fn new(task: &'a str, goal: GoalName, method: Method) -> Self {
+        let entropy = if method.has_belief() {
+            EntropyInput::Belief
+        } else {
+            EntropyInput::None
+        };
+        Self(Training {
+            task,
+            goal,
+            method,
+            entropy,
+            belief_frequency: None,
+            shielded: explored_under_shield(task),
+        })
+    }
+
+    fn with(mut self, entropy: EntropyInput) -> Self {
+        self.0.entropy = entropy;
+        self
+    }
+
+    fn under(mut self, shielded: bool) -> Self {
+        self.0.shielded = shielded;
+        self
+    }
+
+    fn at(mut self, belief_frequency: u32) -> Self {
+        self.0.belief_frequency = Some(belief_frequency);
+        self
+    }
+
+    fn unit(self, seed: u64) -> Unit {
+        self.0.unit(seed)
     }
 }
 
@@ -243,8 +259,8 @@ mod tests {
     #[test]
     fn parts_have_as_many_units_as_the_paper_has_cells() {
         let cases = [
-            // 12 cells of two methods with five seeds, and of two with one.
-            (&[Part::Table1][..], 12 * (5 + 5 + 1 + 1)),
+            // 12 cells of PuBS without and with shield and of PPO with five seeds, of two with one.
+            (&[Part::Table1][..], 12 * (5 + 5 + 5 + 1 + 1)),
             // Two solvers and one method on two benchmarks.
             (&[Part::Table2], 2 * 2 + 2 * 5),
             // Three further frequencies, and Light-Dark of Table II.
@@ -255,7 +271,7 @@ mod tests {
             // Four policies, trials with and without drift.
             (&[Part::Table4], 4 * 5 + 8),
             // Shared units count once.
-            (&[], 12 * 12 + (2 * 2 + 2 * 5) + 3 * 5 + 6 * 2 * 5 + 8),
+            (&[], 12 * 17 + (2 * 2 + 2 * 5) + 3 * 5 + 6 * 2 * 5 + 8),
         ];
         for (parts, expected) in cases {
             assert_eq!(count(parts), expected, "{parts:?}");

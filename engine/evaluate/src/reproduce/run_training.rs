@@ -26,6 +26,8 @@ pub struct TrainingCell {
     pub method: Method,
     /// What stands for the entropy.
     pub entropy: EntropyInput,
+    /// Whether the shield is there in training already.
+    pub shielded: bool,
     /// Of the training.
     pub seed: u64,
 }
@@ -45,6 +47,7 @@ pub fn train(
     let goal = goal_state(prepared, cell.goal)?;
     let mut recipe = Recipe::usual(task);
     recipe.steps = workshop.steps.unwrap_or(recipe.steps);
+    recipe.shielded = cell.shielded;
     let plan = TrainingPlan {
         method: cell.method,
         entropy: cell.entropy,

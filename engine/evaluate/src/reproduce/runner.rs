@@ -165,6 +165,7 @@ impl Job<'_> {
                 goal,
                 method,
                 entropy,
+                shielded,
                 seed,
                 ..
             } => {
@@ -172,6 +173,7 @@ impl Job<'_> {
                     goal: *goal,
                     method: *method,
                     entropy: *entropy,
+                    shielded: *shielded,
                     seed: *seed,
                 };
                 train(self.workshop, prepared, &self.unit.id(), cell, &|now| {
@@ -201,7 +203,7 @@ impl Job<'_> {
                 trials,
                 drift,
             } => {
-                let policy = best_policy(self.workshop, task, GoalName::Middle)?;
+                let policy = best_policy(self.workshop, task, GoalName::Middle, true)?;
                 run_arm::run(self.workshop, prepared, &policy, *trials, *drift)
             }
         }
@@ -222,7 +224,7 @@ impl Job<'_> {
 /// Where a policy cannot be asked or a file written.
 pub fn heatmaps(workshop: &Workshop<'_>) -> Result<(), WorkshopError> {
     for (task, goal) in HEATMAPS_OF {
-        let Ok(policy) = best_policy(workshop, task, goal) else {
+        let Ok(policy) = best_policy(workshop, task, goal, false) else {
             continue;
         };
         let prepared = workshop.object(task, None)?;
@@ -244,11 +246,12 @@ pub fn heatmap_id(task: &str, goal: GoalName) -> String {
     format!("{task}-{}", goal.name())
 }
 
-/// The policy of the best seed, as the paper deploys it.
+/// The policy of the best seed, trained without or with the shield.
 fn best_policy(
     workshop: &Workshop<'_>,
     task: &str,
     goal: GoalName,
+    shielded: bool,
 ) -> Result<PolicyFile, WorkshopError> {
     let results = Results::read(&workshop.results).map_err(WorkshopError::of)?;
     let training = Training {
@@ -257,6 +260,7 @@ fn best_policy(
         method: Method::Pubs,
         entropy: EntropyInput::Belief,
         belief_frequency: None,
+        shielded,
     };
     let seeds = training.seeds(&results).ok_or_else(|| {
         WorkshopError(format!(
@@ -264,14 +268,7 @@ fn best_policy(
             goal.name()
         ))
     })?;
-    let unit = Unit::Training {
-        task: task.to_owned(),
-        goal,
-        method: training.method,
-        entropy: training.entropy,
-        belief_frequency: training.belief_frequency,
-        seed: seeds.best.seed,
-    };
+    let unit = training.unit(seeds.best.seed);
     let path: PathBuf = workshop.policy(&format!("{}.onnx", unit.id()));
     PolicyFile::read(&path).map_err(WorkshopError::of)
 }

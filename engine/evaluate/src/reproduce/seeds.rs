@@ -17,6 +17,8 @@ pub struct Training<'a> {
     pub entropy: EntropyInput,
     /// Filter updates per policy step; `None`: as the object file says.
     pub belief_frequency: Option<u32>,
+    /// Whether the shield is there in training already.
+    pub shielded: bool,
 }
 
 /// What was found of them: one at least.
@@ -59,6 +61,19 @@ pub fn is_light_dark(task: &str) -> bool {
 }
 
 impl Training<'_> {
+    /// The unit of one seed.
+    pub fn unit(&self, seed: u64) -> Unit {
+        Unit::Training {
+            task: self.task.to_owned(),
+            goal: self.goal,
+            method: self.method,
+            entropy: self.entropy,
+            belief_frequency: self.belief_frequency,
+            shielded: self.shielded,
+            seed,
+        }
+    }
+
     /// Its seeds; `None` where none has been run.
     pub fn seeds<'r>(&self, results: &'r Results) -> Option<Seeds<'r>> {
         let all: Vec<_> = results
@@ -77,7 +92,11 @@ impl Training<'_> {
                 _ => None,
             })
             .collect();
-        let chosen_by = |seed: &Seed| reward(self.task, &seed.selection.plain).mean;
+        let chosen_by = |seed: &Seed| {
+            let Judged { plain, shielded } = seed.selection;
+            let own = shielded.as_ref().filter(|_| self.shielded);
+            reward(self.task, own.unwrap_or(plain)).mean
+        };
         let best = all
             .iter()
             .copied()
@@ -92,13 +111,15 @@ impl Training<'_> {
             method,
             entropy,
             belief_frequency,
+            shielded,
             seed: _,
         } = unit
         else {
             return false;
         };
         let entropy = self.method != Method::Pubs || *entropy == self.entropy;
+        let shielded = *shielded == self.shielded;
         let what = (task.as_str(), *goal, *method, *belief_frequency);
-        entropy && what == (self.task, self.goal, self.method, self.belief_frequency)
+        entropy && shielded && what == (self.task, self.goal, self.method, self.belief_frequency)
     }
 }

@@ -7,6 +7,7 @@ use super::matrix::{Column, Entry, Format, Matrix, Ours, Row};
 use super::paper::{self, Estimate};
 use super::results::Results;
 use super::seeds::{Seeds, Training, is_light_dark, reward};
+use super::unit::explored_under_shield;
 
 /// What PuBS under the shield is called.
 pub const SHIELDED: &str = "PuBS with shield";
@@ -28,7 +29,7 @@ pub fn table_i(results: &Results, goal: GoalName) -> Matrix {
         })
         .collect();
     let shielded = paper::OBJECTS.map(|object| {
-        let seeds = of(object, Method::Pubs);
+        let seeds = under_shield(object, goal).seeds(results);
         Entry::new(shielded_reward(object, seeds.as_ref()), None)
     });
     rows.insert(1, beside(shielded));
@@ -48,7 +49,7 @@ pub fn table_ii(results: &Results, tasks: &[&str]) -> Matrix {
         reward_and_success(ours, paper)
     });
     let shielded = tasks.iter().flat_map(|&task| {
-        let seeds = seeds(task);
+        let seeds = under_shield(task, GoalName::Own).seeds(results);
         let ours = [
             shielded_reward(task, seeds.as_ref()),
             Ours::of_seeds(seeds.as_ref(), |judged| {
@@ -170,6 +171,15 @@ pub(super) fn training(task: &str, goal: GoalName, method: Method) -> Training<'
         method,
         entropy: EntropyInput::Belief,
         belief_frequency: None,
+        shielded: explored_under_shield(task),
+    }
+}
+
+/// PuBS trained and judged under the shield; where no action is high-force there is none.
+pub(super) fn under_shield(task: &str, goal: GoalName) -> Training<'_> {
+    Training {
+        shielded: !is_light_dark(task),
+        ..training(task, goal, Method::Pubs)
     }
 }
 

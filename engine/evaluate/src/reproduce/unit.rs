@@ -48,6 +48,9 @@ pub enum Unit {
         entropy: EntropyInput,
         /// Filter updates per policy step; `None`: as the object file says.
         belief_frequency: Option<u32>,
+        /// Whether the shield masks high-force actions in training already; the paper has none.
+        #[serde(default)]
+        shielded: bool,
         /// Of the training.
         seed: u64,
     },
@@ -73,6 +76,13 @@ pub enum Unit {
     },
 }
 
+/// Whether a task's PuBS is trained under the shield in every table: in Sim Object nothing but
+/// the limits is felt, and without a shield the first thing a policy finds is that large moves end
+/// badly.
+pub fn explored_under_shield(task: &str) -> bool {
+    task == "sim_object"
+}
+
 impl Unit {
     /// Letters, digits, `_` and `-`: names the cell's file.
     pub fn id(&self) -> String {
@@ -87,11 +97,13 @@ impl Unit {
                 method,
                 entropy,
                 belief_frequency,
+                shielded,
                 seed,
             } => {
                 let frequency = frequency(belief_frequency);
+                let shield = if *shielded { "-shield" } else { "" };
                 let [goal, method, entropy] = [goal.name(), method.name(), entropy.name()];
-                format!("training-{task}-{goal}-{method}-{entropy}{frequency}-seed{seed}")
+                format!("training-{task}-{goal}-{method}-{entropy}{shield}{frequency}-seed{seed}")
             }
             Self::Solver {
                 task,
@@ -165,6 +177,7 @@ mod tests {
             method,
             entropy,
             belief_frequency,
+            shielded: explored_under_shield(task),
             seed: 1,
         };
         let solver = |belief_frequency| Unit::Solver {
@@ -183,6 +196,10 @@ mod tests {
             (
                 training("door2", GoalName::Middle, Method::Pubs, belief, None),
                 "training-door2-middle-pubs-belief-seed1",
+            ),
+            (
+                training("sim_object", GoalName::Own, Method::Pubs, belief, None),
+                "training-sim_object-own-pubs-belief-shield-seed1",
             ),
             (
                 training("light_dark", GoalName::Own, Method::Pubs, belief, Some(5)),

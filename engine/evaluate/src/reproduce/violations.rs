@@ -1,9 +1,10 @@
 //! Safety violations per goal and method, Fig. 4 top.
 
-use super::cell::{GoalName, Judged, Method};
+use super::cell::{GoalName, Judged};
 use super::paper;
 use super::results::Results;
-use super::tables::{SHIELDED, training};
+use super::seeds::Training;
+use super::tables::{SHIELDED, training, under_shield};
 
 /// The violations of one method at one goal.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,12 +60,12 @@ pub fn violations(results: &Results, goal: GoalName) -> Vec<Violations> {
         .into_iter()
         .map(|method| Violations {
             label: method.to_string(),
-            objects: counts(results, goal, method, plain),
+            objects: counts(results, |object| training(object, goal, method), plain),
         })
         .collect();
     let beside = Violations {
         label: SHIELDED.to_owned(),
-        objects: counts(results, goal, Method::Pubs, shielded),
+        objects: counts(results, |object| under_shield(object, goal), shielded),
     };
     rows.insert(1, beside);
     rows
@@ -72,12 +73,11 @@ pub fn violations(results: &Results, goal: GoalName) -> Vec<Violations> {
 
 fn counts(
     results: &Results,
-    goal: GoalName,
-    method: Method,
+    of: impl Fn(&'static str) -> Training<'static>,
     count: impl Fn(&Judged) -> Option<u64>,
 ) -> [Option<Count>; 4] {
     paper::OBJECTS.map(|object| {
-        let seeds = training(object, goal, method).seeds(results)?;
+        let seeds = of(object).seeds(results)?;
         Some(Count {
             best: count(seeds.best.fresh)?,
             seeds: seeds

@@ -50,8 +50,17 @@ pub fn varied(
         method,
         entropy,
         belief_frequency,
+        shielded: task == "sim_object",
         seed,
     }
+}
+
+/// The same training with the shield in it.
+pub fn under_shield(mut unit: Unit) -> Unit {
+    if let Unit::Training { shielded, .. } = &mut unit {
+        *shielded = true;
+    }
+    unit
 }
 
 /// Mean reward on the trials of the selection and on fresh ones, and violations on both.

@@ -54,6 +54,7 @@ fn a_benchmark_is_checked_trained_for_its_own_goal_and_evaluated() {
         let report = trained.assert_code(0).json();
         assert_eq!(report["object"], name);
         assert_eq!(report["goal"], goal, "{name}: {report}");
+        assert_eq!(report["recipe"], "benchmark", "{name}: {report}");
 
         let line = "evaluate policy.onnx --trials 200 --json --object";
         let evaluated = with_plugins(folder.path(), line, &object);

@@ -261,6 +261,6 @@ fn recipes_are_found_by_name() {
     let error = "fast".parse::<Recipe>().unwrap_err().to_string();
     assert_eq!(
         error,
-        "there is no recipe \"fast\"; there are \"standard\" and \"paper\""
+        "there is no recipe \"fast\"; there are \"standard\", \"benchmark\" and \"paper\""
     );
 }

@@ -4,7 +4,6 @@
 //! `cargo bench -p pubs-solve --bench bounds -- hallway 10`: one problem, or all; seconds by the
 //! clock on the wall. A path that ends in `.pomdp` is a problem too.
 
-#[allow(dead_code)]
 #[path = "../tests/problems/mod.rs"]
 mod problems;
 

@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::pomdp::Pomdp;
-use crate::solve::{Method, dot};
+use crate::solve::Method;
 
 const FORMAT: &str = "pubs-solve alpha vectors";
 const VERSION: u32 = 1;
@@ -124,9 +124,14 @@ impl AlphaPolicy {
     }
 
     fn best(&self, belief: &[f64]) -> (usize, f64) {
+        let possible = belief.iter().copied().enumerate();
+        let possible: Vec<_> = possible.filter(|entry| entry.1 > 0.0).collect();
         let mut best = (0, f64::NEG_INFINITY);
         for vector in &self.alpha_vectors {
-            let value = dot(&vector.values, belief);
+            let parts = possible.iter();
+            let value: f64 = parts
+                .map(|&(state, weight)| weight * vector.values[state])
+                .sum();
             if value > best.1 {
                 best = (vector.action, value);
             }

@@ -1,5 +1,8 @@
 //! Problems made by code, for tests and benchmarks.
 
+// Each test uses some of them.
+#![allow(dead_code)]
+
 use pubs_solve::{Pomdp, PomdpParts, Rows, parse};
 
 /// One of the files in `problems/`.

@@ -12,6 +12,8 @@ use crate::{exit, show};
 pub enum Failure {
     /// An object file has faults; they are shown at their lines.
     Faults(Faults),
+    /// Another file has faults, already laid out at their lines.
+    Shown(String),
     /// Anything else, with its exit code.
     Other {
         /// One of [`exit`].
@@ -51,6 +53,10 @@ impl Failure {
         match self {
             Self::Faults(faults) => {
                 show::say(object::render(faults, show::color_on_stderr()).trim_end());
+                exit::INVALID
+            }
+            Self::Shown(report) => {
+                show::say(report);
                 exit::INVALID
             }
             Self::Other { code, message } => {

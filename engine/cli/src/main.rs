@@ -1,7 +1,7 @@
 //! `pubs-engine`: moves doors and drawers to a chosen joint state by touch alone.
 //!
 //! One file per verb in `verbs`; what they share is [`object`] (an object file made ready),
-//! [`policies`] (finding or training one), [`show`] (what goes to stdout and stderr) and
+//! [`policies`] (finding or training one), [`pomdp_file`] (a POMDP from its file), [`show`] (what goes to stdout and stderr) and
 //! [`failure`] (how a verb ends that cannot go on). Exit codes are in [`exit`].
 
 mod built_in;
@@ -11,6 +11,7 @@ mod failure;
 mod object;
 mod options;
 mod policies;
+mod pomdp_file;
 mod show;
 mod training;
 mod verbs;
@@ -47,6 +48,8 @@ enum Verb {
     Train(verbs::train::Arguments),
     /// Judge a policy by many simulated trials
     Evaluate(verbs::evaluate::Arguments),
+    /// Solve a discrete POMDP
+    Solve(verbs::solve::Arguments),
     /// List plugins, or check one
     Plugins(verbs::plugins::Arguments),
 }
@@ -62,6 +65,7 @@ fn main() -> ExitCode {
         Verb::Survey(arguments) => verbs::survey::run(&arguments),
         Verb::Train(arguments) => verbs::train::run(&arguments),
         Verb::Evaluate(arguments) => verbs::evaluate::run(&arguments),
+        Verb::Solve(arguments) => verbs::solve::run(&arguments),
         Verb::Plugins(arguments) => verbs::plugins::run(&arguments),
     };
     match result {

@@ -96,7 +96,8 @@ fn parts_that_do_not_hold_together_are_refused() {
         [(0, 0.25), (1, 0.75)]
     );
     assert!(pomdp.is_terminal(1) && !pomdp.is_terminal(0));
-    let cases: [(fn(&mut PomdpParts), &str); 9] = [
+    type Case = (fn(&mut PomdpParts), &'static str);
+    let cases: [Case; 9] = [
         (|parts| parts.states.clear(), "at least one state"),
         (|parts| parts.discount = 1.0, "the discount is 1"),
         (|parts| parts.discount = f64::NAN, "the discount is NaN"),

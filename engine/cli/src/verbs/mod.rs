@@ -8,5 +8,6 @@ pub mod plot;
 pub mod plugin_check;
 pub mod plugins;
 pub mod run;
+pub mod solve;
 pub mod survey;
 pub mod train;

@@ -1,0 +1,193 @@
+//! `pubs-engine solve`: bounds and a policy for a discrete POMDP.
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use clap::Args;
+use pubs_solve::{Method, Progress, Solution, SolveOptions, Stopped, solve};
+use serde::Serialize;
+
+use crate::failure::{self, Failure};
+use crate::{Ended, exit, pomdp_file, show};
+
+#[derive(Args)]
+#[command(
+    after_help = "Example: pubs-engine solve tiger.pomdp --method sarsop --timeout 10
+
+Ctrl-C ends the search and keeps the best policy so far."
+)]
+pub struct Arguments {
+    /// A POMDP in Cassandra's format
+    #[arg(value_name = "FILE.pomdp")]
+    file: PathBuf,
+    /// `qmdp` or `sarsop`
+    #[arg(long, default_value = "sarsop", value_name = "NAME")]
+    method: Method,
+    /// Stop after this long, with the best policy so far
+    #[arg(long, default_value = "60", value_name = "SECONDS", value_parser = parse_timeout)]
+    timeout: Duration,
+    /// Stop where the bounds at the initial belief are this close
+    #[arg(long, default_value = "0.001", value_name = "REWARD", value_parser = parse_precision)]
+    precision: f64,
+    /// Write the policy here [default: FILE.policy.json]
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// One JSON object on stdout
+    #[arg(long)]
+    json: bool,
+    /// No lines of progress
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+#[derive(Serialize)]
+struct Report {
+    problem: String,
+    method: Method,
+    states: usize,
+    actions: usize,
+    observations: usize,
+    lower: f64,
+    upper: f64,
+    gap: f64,
+    alpha_vectors: usize,
+    beliefs: usize,
+    trials: usize,
+    time_s: f64,
+    stopped: Stopped,
+    policy: PathBuf,
+}
+
+pub fn run(arguments: &Arguments) -> Ended {
+    let pomdp = pomdp_file::load(&arguments.file)?;
+    let output = arguments
+        .output
+        .clone()
+        .unwrap_or_else(|| arguments.file.with_extension("policy.json"));
+    let options = SolveOptions {
+        method: arguments.method,
+        precision: arguments.precision,
+        timeout: Some(arguments.timeout),
+        ..SolveOptions::default()
+    };
+    let interrupt = interruptible()?;
+    let mut speaker = Speaker::new(arguments.quiet);
+    let solution = solve(&pomdp, &options, |progress| {
+        speaker.say(progress);
+        if interrupt.load(Ordering::Acquire) {
+            return ControlFlow::Break(());
+        }
+        ControlFlow::Continue(())
+    });
+    solution
+        .policy
+        .write(&output)
+        .map_err(|error| Failure::Other {
+            code: exit::FAULT,
+            message: format!(
+                "{}\n  name another place with --output",
+                failure::chain(&error)
+            ),
+        })?;
+    let report = Report {
+        problem: pomdp.name().to_owned(),
+        method: arguments.method,
+        states: pomdp.states().len(),
+        actions: pomdp.actions().len(),
+        observations: pomdp.observations().len(),
+        lower: solution.lower,
+        upper: solution.upper,
+        gap: solution.gap(),
+        alpha_vectors: solution.alpha_vectors,
+        beliefs: solution.beliefs,
+        trials: solution.trials,
+        time_s: solution.time_s,
+        stopped: solution.stopped,
+        policy: output,
+    };
+    if arguments.json {
+        show::print_json(&report)?;
+    } else {
+        show::print(&text(&report, &solution))?;
+    }
+    Ok(exit::DONE)
+}
+
+/// Lines of progress, their heading first.
+struct Speaker {
+    quiet: bool,
+    last: Option<Progress>,
+}
+
+impl Speaker {
+    fn new(quiet: bool) -> Self {
+        Self { quiet, last: None }
+    }
+
+    fn say(&mut self, progress: &Progress) {
+        if self.quiet || self.last.as_ref() == Some(progress) {
+            return;
+        }
+        if self.last.is_none() {
+            show::say(" time_s       lower       upper         gap  alpha vectors   beliefs");
+        }
+        show::say(&format!(
+            "{:7.2} {:11.4} {:11.4} {:11.4} {:14} {:9}",
+            progress.time_s,
+            progress.lower,
+            progress.upper,
+            progress.gap,
+            progress.alpha_vectors,
+            progress.beliefs,
+        ));
+        self.last = Some(*progress);
+    }
+}
+
+fn text(report: &Report, solution: &Solution) -> String {
+    let reason = match solution.stopped {
+        Stopped::Precision => "the precision was reached",
+        Stopped::Timeout => "the time was up",
+        Stopped::Asked => "interrupted",
+    };
+    format!(
+        "{}: value from {:.4} to {:.4} (gap {:.4}) after {:.2} s, {reason}\n\
+         policy: {} ({} alpha vectors by {})",
+        report.problem,
+        report.lower,
+        report.upper,
+        report.gap,
+        report.time_s,
+        report.policy.display(),
+        report.alpha_vectors,
+        report.method,
+    )
+}
+
+fn parse_timeout(text: &str) -> Result<Duration, String> {
+    let help = "give seconds above 0, such as 10 or 0.5";
+    let seconds: f64 = text.parse().map_err(|_| help.to_owned())?;
+    if seconds <= 0.0 {
+        return Err(help.to_owned());
+    }
+    Duration::try_from_secs_f64(seconds).map_err(|_| help.to_owned())
+}
+
+fn parse_precision(text: &str) -> Result<f64, String> {
+    let value = text.parse().ok();
+    value
+        .filter(|value: &f64| value.is_finite() && *value > 0.0)
+        .ok_or_else(|| "give a number above 0, such as 0.001".to_owned())
+}
+
+/// Set by Ctrl-C; the search then ends at its next report.
+fn interruptible() -> Result<Arc<AtomicBool>, Failure> {
+    let flag = Arc::new(AtomicBool::new(false));
+    let handler = Arc::clone(&flag);
+    ctrlc::set_handler(move || handler.store(true, Ordering::Release))
+        .map_err(|error| Failure::fault(&error))?;
+    Ok(flag)
+}

@@ -26,7 +26,8 @@ fn main() {
         return;
     }
     type Case = (&'static str, fn() -> Pomdp, u64);
-    let cases: [Case; 6] = [
+    let cases: [Case; 7] = [
+        ("tag", problems::tag, 10),
         ("tiger", || problems::file("tiger"), 1),
         ("hallway", || problems::file("hallway"), 10),
         ("light_dark", problems::light_dark, 28),

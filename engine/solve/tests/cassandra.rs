@@ -153,7 +153,7 @@ fn odd_but_valid_files_are_read() {
     assert_eq!(good(&windows).states(), ["a", "b", "c"]);
     let one_line = format!("{HEAD}{BODY}").replace('\n', " ");
     assert_eq!(good(&one_line), good(&format!("{HEAD}{BODY}")));
-    let counts = "observations: 2 actions: 2\nstates : 3 values:reward discount: 0\n";
+    let counts = "observations: 2 actions: 2\nstates : 3 values:rewards discount: 0\n";
     let pomdp = good(&format!("{counts}{BODY}"));
     assert_eq!(pomdp.states(), ["0", "1", "2"]);
     assert_eq!(pomdp.discount(), 0.0);

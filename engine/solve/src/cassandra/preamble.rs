@@ -41,8 +41,9 @@ impl Parser<'_> {
         self.colon()?;
         let token = self.at;
         self.costs = match self.text() {
-            Some("reward") => false,
-            Some("cost") => true,
+            // The plural stands in some files.
+            Some("reward" | "rewards") => false,
+            Some("cost" | "costs") => true,
             _ => {
                 let message = format!("{} is no kind of value", self.found(token));
                 return Err(self.fault_at(token, message, "write `reward` or `cost`"));

@@ -4,7 +4,6 @@
 //! `cargo bench -p pubs-solve --bench bounds -- hallway 10`: one problem, or all; seconds by the
 //! clock on the wall. A path that ends in `.pomdp` is a problem too.
 
-#[allow(dead_code)]
 #[path = "../tests/problems/mod.rs"]
 mod problems;
 
@@ -27,7 +26,8 @@ fn main() {
         return;
     }
     type Case = (&'static str, fn() -> Pomdp, u64);
-    let cases: [Case; 6] = [
+    let cases: [Case; 7] = [
+        ("tag", problems::tag, 10),
         ("tiger", || problems::file("tiger"), 1),
         ("hallway", || problems::file("hallway"), 10),
         ("light_dark", problems::light_dark, 28),

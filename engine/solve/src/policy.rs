@@ -140,18 +140,13 @@ impl AlphaPolicy {
     }
 
     fn best(&self, belief: &[f64]) -> (usize, f64) {
-        // A belief that has seen something holds few states.
-        let held: Vec<(usize, f64)> = belief
-            .iter()
-            .copied()
-            .enumerate()
-            .filter(|&(_, weight)| weight > 0.0)
-            .collect();
+        let possible = belief.iter().copied().enumerate();
+        let possible: Vec<_> = possible.filter(|entry| entry.1 > 0.0).collect();
         let mut best = (0, f64::NEG_INFINITY);
         for vector in &self.alpha_vectors {
-            let value = held
-                .iter()
-                .map(|&(s, weight)| vector.values[s] * weight)
+            let parts = possible.iter();
+            let value: f64 = parts
+                .map(|&(state, weight)| weight * vector.values[state])
                 .sum();
             if value > best.1 {
                 best = (vector.action, value);

@@ -335,7 +335,8 @@ fn scaled_row(
             return Err(PomdpError::Probability { row: name(), value });
         }
     }
-    let sum: f64 = row.iter().map(|entry| entry.1).sum();
+    // An empty sum is -0, which reads badly.
+    let sum = row.iter().map(|entry| entry.1).sum::<f64>() + 0.0;
     if (sum - 1.0).abs() > SUM_TOLERANCE {
         return Err(PomdpError::Sum { row: name(), sum });
     }

@@ -1,7 +1,7 @@
 //! `pubs-engine solve`: bounds and a policy for a discrete POMDP, or for an object on a grid.
 
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -73,6 +73,7 @@ pub fn run(arguments: &Arguments) -> Ended {
         .output
         .clone()
         .unwrap_or_else(|| arguments.file.with_extension("policy.json"));
+    check_folder(&output)?;
     let options = SolveOptions {
         method: arguments.method,
         precision: arguments.precision,
@@ -121,6 +122,18 @@ pub fn run(arguments: &Arguments) -> Ended {
         show::print(&text(&report, &solution))?;
     }
     Ok(exit::DONE)
+}
+
+/// A long search must not end at a folder that is not there.
+fn check_folder(output: &Path) -> Result<(), Failure> {
+    let folder = output.parent().unwrap_or(Path::new(""));
+    if folder.as_os_str().is_empty() || folder.is_dir() {
+        return Ok(());
+    }
+    Err(Failure::invalid(format!(
+        "there is no folder {} to write the policy to",
+        folder.display()
+    )))
 }
 
 /// What is to be solved, and where an object is, what was made of it.

@@ -90,7 +90,8 @@ impl<'a> Parser<'a> {
         }
     }
 
-    fn not_a_statement(&mut self, token: usize) -> Broken {
+    /// Says that a word begins no statement, and which do.
+    pub fn not_a_statement(&mut self, token: usize) -> Broken {
         let text = self.tokens[token].text;
         let lower = text.to_lowercase();
         let alike = KEYWORDS

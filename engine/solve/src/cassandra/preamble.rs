@@ -41,8 +41,9 @@ impl Parser<'_> {
         self.colon()?;
         let token = self.at;
         self.costs = match self.text() {
-            Some("reward") => false,
-            Some("cost") => true,
+            // The plural stands in some files.
+            Some("reward" | "rewards") => false,
+            Some("cost" | "costs") => true,
             _ => {
                 let message = format!("{} is no kind of value", self.found(token));
                 return Err(self.fault_at(token, message, "write `reward` or `cost`"));
@@ -100,10 +101,16 @@ impl Parser<'_> {
         names
     }
 
+    /// Whether the next word has a colon behind it: a statement that is written wrongly.
+    fn is_before_colon(&self) -> bool {
+        let next = self.tokens.get(self.at + 1);
+        next.is_some_and(|token| token.text == ":")
+    }
+
     /// The tokens up to the next statement.
     fn words(&mut self) -> Vec<usize> {
         let first = self.at;
-        while !self.is_at_end() {
+        while !self.is_at_end() && !self.is_before_colon() {
             self.at += 1;
         }
         (first..self.at).collect()
@@ -113,6 +120,9 @@ impl Parser<'_> {
     pub(super) fn ends(&mut self, what: &str) -> Result<(), Broken> {
         if self.is_at_end() {
             return Ok(());
+        }
+        if self.is_before_colon() {
+            return Err(self.not_a_statement(self.at));
         }
         let message = format!("{} follows {what}", self.found(self.at));
         Err(self.fault_at(

@@ -32,7 +32,8 @@ impl Row {
     }
 
     pub fn sum(&self) -> f64 {
-        self.entries.iter().map(|entry| entry.1).sum()
+        // An empty sum is -0, which reads badly.
+        self.entries.iter().map(|entry| entry.1).sum::<f64>() + 0.0
     }
 }
 

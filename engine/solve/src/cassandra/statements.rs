@@ -72,6 +72,8 @@ impl Parser<'_> {
             return self.read_row(of, actions, states);
         }
         let columns = self.which(of.column())?;
+        // As some programs write it.
+        self.takes(":");
         let token = self.at;
         let value = self.probability()?;
         self.ends("the probability")?;
@@ -267,6 +269,7 @@ impl Parser<'_> {
             return Ok(());
         }
         let observation = self.which(Kind::Observation)?;
+        self.takes(":");
         let value = self.any_number()?;
         self.ends("the reward")?;
         self.rewards.set(at, observation, value);

@@ -1,5 +1,8 @@
 //! Problems made by code, for tests and benchmarks.
 
+// Each test uses some of them.
+#![allow(dead_code)]
+
 use pubs_solve::{Pomdp, PomdpParts, Rows, parse};
 
 /// One of the files in `problems/`.
@@ -233,6 +236,87 @@ pub fn rock_sample(side: usize, rocks: &[(usize, usize)]) -> Pomdp {
         start,
         transitions,
         observation_rows,
+        rewards,
+    })
+}
+
+/// Tag (Pineau, Gordon & Thrun 2003): 29 cells, ten by two with three by three on top. The robot
+/// sees itself, and the opponent only in the same cell; the opponent moves away four times in five.
+pub fn tag() -> Pomdp {
+    let mut cells: Vec<(i64, i64)> = (0..20).map(|cell| (cell % 10, cell / 10)).collect();
+    cells.extend((0..9).map(|cell| (5 + cell % 3, 2 + cell / 3)));
+    let count = cells.len();
+    let place = |at: (i64, i64)| cells.iter().position(|&cell| cell == at);
+    let moved = |cell: usize, (dx, dy): (i64, i64)| {
+        place((cells[cell].0 + dx, cells[cell].1 + dy)).unwrap_or(cell)
+    };
+    let tagged = count * count;
+    let flight = |robot: usize, opponent: usize| -> Vec<(usize, f64)> {
+        let (from, at) = (cells[robot], cells[opponent]);
+        let away = |difference: i64| match difference.signum() {
+            0 => vec![-1, 1],
+            sign => vec![sign],
+        };
+        let across = away(at.0 - from.0);
+        let along = away(at.1 - from.1);
+        let mut row = vec![(opponent, 0.2)];
+        row.extend(
+            across
+                .iter()
+                .map(|&dx| (moved(opponent, (dx, 0)), 0.4 / across.len() as f64)),
+        );
+        row.extend(
+            along
+                .iter()
+                .map(|&dy| (moved(opponent, (0, dy)), 0.4 / along.len() as f64)),
+        );
+        row
+    };
+    let steps = [(0, 1), (0, -1), (1, 0), (-1, 0)];
+    let (mut transitions, mut rewards) = (vec![], vec![]);
+    for action in 0..5 {
+        let (mut rows, mut earned): (Rows, Vec<f64>) = (vec![], vec![]);
+        for (robot, opponent) in (0..tagged).map(|state| (state / count, state % count)) {
+            let met = action == 4 && robot == opponent;
+            let goes = steps.get(action).map_or(robot, |&step| moved(robot, step));
+            let fled = flight(robot, opponent).into_iter();
+            rows.push(if met {
+                vec![(tagged, 1.0)]
+            } else {
+                fled.map(|(next, share)| (goes * count + next, share))
+                    .collect()
+            });
+            earned.push(match action {
+                4 if met => 10.0,
+                4 => -10.0,
+                _ => -1.0,
+            });
+        }
+        rows.push(vec![(tagged, 1.0)]);
+        earned.push(0.0);
+        transitions.push(rows);
+        rewards.push(earned);
+    }
+    let seen = |state: usize| {
+        if state / count == state % count {
+            count
+        } else {
+            state / count
+        }
+    };
+    let mut observation_row: Rows = (0..tagged).map(|state| vec![(seen(state), 1.0)]).collect();
+    observation_row.push(vec![(count, 1.0)]);
+    let mut start = vec![1.0 / tagged as f64; tagged];
+    start.push(0.0);
+    made(PomdpParts {
+        name: "tag".to_owned(),
+        states: names(0..=tagged),
+        actions: names(["north", "south", "east", "west", "tag"]),
+        observations: names(0..=count),
+        discount: 0.95,
+        start,
+        transitions,
+        observation_rows: vec![observation_row; 5],
         rewards,
     })
 }

@@ -177,15 +177,16 @@ fn bounds_never_cross_and_never_go_back() {
 
 #[test]
 fn a_policy_earns_what_its_bounds_say() {
-    for (pomdp, seconds) in [
-        (tiger(0.95), 5),
-        (
-            problems::rock_sample(4, &[(0, 0), (1, 3), (2, 1), (3, 2)]),
-            10,
-        ),
-        (problems::file("hallway"), 2),
+    let rock_sample = problems::rock_sample(4, &[(0, 0), (1, 3), (2, 1), (3, 2)]);
+    for (pomdp, precision, seconds) in [
+        (tiger(0.95), 1e-3, 5),
+        (rock_sample, 1e-3, 10),
+        (problems::file("hallway"), 1e-3, 2),
+        // Stopped early: what a plan goes on with must be in the policy, pruned or not.
+        (problems::sim_object(25), 0.05, 30),
+        (problems::sim_object(25), 0.02, 30),
     ] {
-        let (solution, _) = solved(&pomdp, 1e-3, seconds);
+        let (solution, _) = solved(&pomdp, precision, seconds);
         let options = TrialOptions {
             trials: 1500,
             max_steps: 250,

@@ -122,6 +122,12 @@ pub fn run(arguments: &Arguments) -> Ended {
             .any(|word| id.contains(word.as_str()))
     };
     units.retain(|unit| arguments.cells.is_empty() || named(&unit.id()));
+    if units.is_empty() {
+        return Err(Failure::invalid(format!(
+            "no cell's name holds {}; the report lists them all",
+            arguments.cells.join(" or ")
+        )));
+    }
     let mut summary = if arguments.report_only {
         Summary::of(&vec![None; units.len()], &units)
     } else {

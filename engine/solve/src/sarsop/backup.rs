@@ -65,7 +65,8 @@ impl Sarsop<'_> {
             follow[child.observation] = &child.alpha;
         }
         let values = backed_up(self.tree.pomdp, action, &follow);
-        self.lower.insert(action, values);
+        let follow: Vec<u32> = follow.iter().map(|alpha| alpha.id).collect();
+        self.lower.insert(action, values, &follow);
         self.tree.refresh_node(index, &self.lower);
     }
 

@@ -10,13 +10,16 @@ pub(super) struct Alpha {
     pub id: u32,
     pub action: usize,
     pub values: Box<[f64]>,
+    /// Ids of the vectors that the plan goes on with, one for each observation; none where it
+    /// repeats its action for ever.
+    follow: Box<[u32]>,
 }
 
-/// The vectors in use, in ascending order of their ids. A vector that was pruned lives on where a
-/// plan was made of it.
+/// The vectors in use, in ascending order of their ids, and all that were ever made: a plan may go
+/// on with a vector that was pruned since.
 pub(super) struct LowerBound {
     live: Vec<Rc<Alpha>>,
-    next_id: u32,
+    made: Vec<Rc<Alpha>>,
 }
 
 impl LowerBound {
@@ -24,24 +27,25 @@ impl LowerBound {
     pub fn new(blind: Vec<Vec<f64>>) -> Self {
         let mut bound = Self {
             live: Vec::new(),
-            next_id: 0,
+            made: Vec::new(),
         };
         for (action, values) in blind.into_iter().enumerate() {
-            bound.insert(action, values);
+            bound.insert(action, values, &[]);
         }
         bound
     }
 
-    /// Adds a vector and drops those that it is nowhere below.
-    pub fn insert(&mut self, action: usize, values: Vec<f64>) -> Rc<Alpha> {
+    /// Adds the vector of a plan and drops those that it is nowhere below.
+    pub fn insert(&mut self, action: usize, values: Vec<f64>, follow: &[u32]) -> Rc<Alpha> {
         self.live
             .retain(|other| other.values.iter().zip(&values).any(|(old, new)| old > new));
         let alpha = Rc::new(Alpha {
-            id: self.next_id,
+            id: self.next_id(),
             action,
             values: values.into_boxed_slice(),
+            follow: follow.into(),
         });
-        self.next_id += 1;
+        self.made.push(Rc::clone(&alpha));
         self.live.push(Rc::clone(&alpha));
         alpha
     }
@@ -59,7 +63,25 @@ impl LowerBound {
 
     /// The id that the next vector gets.
     pub fn next_id(&self) -> u32 {
-        self.next_id
+        self.made.len() as u32
+    }
+
+    /// A plan's vector with all that it goes on with, to the end: following the best of these is
+    /// worth at least what the first one says, which those in use alone do not promise.
+    pub fn whole_plan(&self, first: &Alpha) -> Vec<Rc<Alpha>> {
+        let mut needed = vec![false; self.made.len()];
+        let mut open = vec![first.id];
+        needed[first.id as usize] = true;
+        while let Some(id) = open.pop() {
+            for &next in &self.made[id as usize].follow {
+                if !std::mem::replace(&mut needed[next as usize], true) {
+                    open.push(next);
+                }
+            }
+        }
+        let all = self.made.iter().zip(needed);
+        all.filter_map(|(alpha, needed)| needed.then(|| Rc::clone(alpha)))
+            .collect()
     }
 
     /// Keeps the vectors whose ids are in `keep` (ascending).

@@ -144,7 +144,8 @@ impl<'a> Sarsop<'a> {
     }
 
     fn into_solution(self, progress: &Progress, stopped: Stopped) -> Solution {
-        let vectors = self.lower.live().iter().map(|alpha| AlphaVector {
+        let plan = self.lower.whole_plan(&self.tree.nodes[ROOT].alpha);
+        let vectors = plan.iter().map(|alpha| AlphaVector {
             action: alpha.action,
             values: alpha.values.to_vec(),
         });
@@ -154,7 +155,7 @@ impl<'a> Sarsop<'a> {
             policy: AlphaPolicy::new(pomdp, Method::Sarsop, lower, upper, vectors.collect()),
             lower,
             upper,
-            alpha_vectors: progress.alpha_vectors,
+            alpha_vectors: plan.len(),
             time_s: progress.time_s,
             beliefs: progress.beliefs,
             trials: progress.trials,

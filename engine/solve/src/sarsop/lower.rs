@@ -67,9 +67,14 @@ impl LowerBound {
     }
 
     /// A plan's vector with all that it goes on with, to the end: following the best of these is
-    /// worth at least what the first one says, which those in use alone do not promise.
+    /// worth at least what the first one says, which those in use alone do not promise. With them
+    /// the plans that repeat one action, for beliefs where the plan never leads.
     pub fn whole_plan(&self, first: &Alpha) -> Vec<Rc<Alpha>> {
-        let mut needed = vec![false; self.made.len()];
+        let mut needed: Vec<bool> = self
+            .made
+            .iter()
+            .map(|alpha| alpha.follow.is_empty())
+            .collect();
         let mut open = vec![first.id];
         needed[first.id as usize] = true;
         while let Some(id) = open.pop() {

@@ -1,7 +1,7 @@
 //! `pubs-engine reproduce`: the paper's evaluation on our own objects.
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -66,6 +66,9 @@ pub struct Arguments {
     /// Run nothing; write the report on what is stored
     #[arg(long, conflicts_with = "again")]
     report_only: bool,
+    /// Copy the report and the best policies of the four objects and three goals here as well
+    #[arg(long, value_name = "DIR")]
+    keep: Option<PathBuf>,
     /// Look for plugins here first [also PUBS_PLUGIN_PATH]
     #[arg(long = "plugin-dir", value_name = "DIR")]
     plugin_dirs: Vec<PathBuf>,
@@ -134,7 +137,11 @@ pub fn run(arguments: &Arguments) -> Ended {
         make(arguments, &workshop, &units)?
     };
     runner::heatmaps(&workshop).map_err(|error| Failure::fault(&error))?;
-    summary.report = report(arguments)?;
+    summary.report = report(arguments, &arguments.output)?;
+    if let Some(folder) = &arguments.keep {
+        runner::keep(&workshop, folder).map_err(|error| Failure::fault(&error))?;
+        report(arguments, folder)?;
+    }
     tell(arguments, &summary)?;
     Ok(if summary.failed.is_empty() {
         exit::DONE
@@ -271,9 +278,9 @@ impl Summary {
     }
 }
 
-fn report(arguments: &Arguments) -> Result<Vec<PathBuf>, Failure> {
-    let results = &arguments.output;
-    let read = Results::read(results).map_err(|error| Failure::fault(&error))?;
+/// Writes the report on what is stored to a folder.
+fn report(arguments: &Arguments, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let read = Results::read(&arguments.output).map_err(|error| Failure::fault(&error))?;
     for notice in read.notices() {
         show::say(&format!(
             "warning: passed over {}: {}",
@@ -289,7 +296,7 @@ fn report(arguments: &Arguments) -> Result<Vec<PathBuf>, Failure> {
         made_at: now(),
         planned: plan(&options(arguments, BTreeSet::new())),
     };
-    write(&read, results, &context).map_err(|error| Failure::fault(&error))
+    write(&read, folder, &context).map_err(|error| Failure::fault(&error))
 }
 
 fn tell(arguments: &Arguments, summary: &Summary) -> Result<(), Failure> {

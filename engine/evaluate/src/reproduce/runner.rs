@@ -1,22 +1,24 @@
 //! Running cells: some at once, each stored as soon as it is done, none done twice.
 
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
 use pubs_core::Task;
+use pubs_core::goal::fraction_label;
 use pubs_core::vector::VectorUnit;
 use pubs_policy::PolicyFile;
 
 use super::cell::{Cell, CellResult, GoalName, Unit};
 use super::date;
 use super::heatmap::Heatmap;
+use super::paper::{GOALS, OBJECTS};
 use super::results::{CELLS, HEATMAPS, Results};
 use super::run_arm;
 use super::run_heatmap::heatmap;
 use super::run_solver;
-use super::run_training::{TrainingCell, train};
+use super::run_training::{TrainingCell, goal_state, train};
 use super::seeds::Training;
 use super::workshop::{Prepared, Workshop, WorkshopError, write_whole};
 use crate::reads::EntropyInput;
@@ -216,6 +218,31 @@ impl Job<'_> {
             ControlFlow::Continue(())
         }
     }
+}
+
+/// Copies the best policies under the shield of the four objects and three goals, as the paper
+/// deploys the best seed, to `folder`, as `<object>-<goal>.onnx`; those not trained yet are left
+/// out. The files written.
+///
+/// # Errors
+/// Where a policy cannot be read or written.
+pub fn keep(workshop: &Workshop<'_>, folder: &Path) -> Result<Vec<PathBuf>, WorkshopError> {
+    let mut kept = Vec::new();
+    for task in OBJECTS {
+        for goal in GOALS {
+            let Ok(policy) = best_policy(workshop, task, goal, true) else {
+                continue;
+            };
+            let prepared = workshop.object(task, None)?;
+            let state = goal_state(&prepared, goal)?;
+            let label = fraction_label(&prepared.task.joint, state);
+            let path = folder.join(format!("{task}-{label}.onnx"));
+            let bytes = std::fs::read(policy.path()).map_err(WorkshopError::of)?;
+            write_whole(&path, &bytes).map_err(WorkshopError::of)?;
+            kept.push(path);
+        }
+    }
+    Ok(kept)
 }
 
 /// Pictures of Fig. 5 from the best policies that are stored; those not trained yet are left out.

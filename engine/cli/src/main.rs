@@ -9,6 +9,7 @@ mod driver;
 mod exit;
 mod failure;
 mod grid;
+mod interrupt;
 mod object;
 mod options;
 mod policies;

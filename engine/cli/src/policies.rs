@@ -120,8 +120,8 @@ pub fn found_or_trained(
             .iter()
             .map(|candidate| candidate.time_s)
             .fold(0.0, f64::max),
-        100.0 * result.evaluation.success_rate,
-        result.evaluation.trials,
+        100.0 * result.evaluation.figures.success_rate,
+        result.evaluation.figures.trials,
     ));
     PolicyFile::read(&path).map_err(|error| Failure::fault(&error))
 }

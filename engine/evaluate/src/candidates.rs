@@ -134,13 +134,13 @@ pub fn train_best(
             trained,
         });
     }
-    let score = |index: &usize| candidates[*index].evaluation.mean_discounted_reward;
+    let score = |index: &usize| candidates[*index].evaluation.figures.mean_discounted_reward;
     let best = (0..candidates.len()).max_by(|one, other| score(one).total_cmp(&score(other)));
     let best = best.ok_or(TrainBestError::NoSeed)?;
     let Candidate { seed, trained, .. } = &candidates[best];
     let draft = contract_of(task, plan, *seed, 0.0, trained);
     let fresh = judge(trained, &draft, "report")?;
-    let contract = contract_of(task, plan, *seed, fresh.mean_reward, trained);
+    let contract = contract_of(task, plan, *seed, fresh.figures.mean_reward, trained);
     write(trained, &contract, path, existing, runtime)?;
     Ok((candidates, best, fresh))
 }

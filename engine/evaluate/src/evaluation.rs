@@ -11,7 +11,7 @@ use pubs_policy::{PolicyFile, Runtime};
 use pubs_run::inputs::resolve;
 use pubs_train::surrogate::Stopped;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::decider::{Decider, NetworkDecider};
 use crate::statistics::Sample;
@@ -43,9 +43,10 @@ pub struct EvaluationOptions {
     pub threads: Option<usize>,
 }
 
-/// The figures. States in rad, m or plain; field names are the program's `--json`.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Evaluation {
+/// The figures of trials. States in rad, m or plain; field names are those of `--json` and of
+/// stored cells.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Figures {
     /// How many.
     pub trials: u64,
     /// Mean sum of rewards.
@@ -71,6 +72,14 @@ pub struct Evaluation {
     /// Share of trials at whose end the belief's 90 % interval held the true state; null where
     /// there is no belief.
     pub coverage_90: Option<f64>,
+}
+
+/// The figures, and how they were come by.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Evaluation {
+    /// What was found.
+    #[serde(flatten)]
+    pub figures: Figures,
     /// Trials in which the belief's recovery rule acted.
     pub recovered_trials: u64,
     /// The vector unit on which the last bits depend.
@@ -227,7 +236,7 @@ fn sum_up<'t>(trials: impl Iterator<Item = &'t Trial>, time_s: f64) -> Evaluatio
         } += 1;
     }
     let count = reward.count();
-    Evaluation {
+    let figures = Figures {
         trials: count,
         mean_reward: reward.mean().unwrap_or(0.0),
         mean_reward_se: reward.standard_error().unwrap_or(0.0),
@@ -240,6 +249,9 @@ fn sum_up<'t>(trials: impl Iterator<Item = &'t Trial>, time_s: f64) -> Evaluatio
         mean_goal_error: goal_error.mean(),
         mean_steps: steps.mean().unwrap_or(0.0),
         coverage_90: covered.mean(),
+    };
+    Evaluation {
+        figures,
         recovered_trials: recovered,
         vector_unit: VectorUnit::best().to_string(),
         time_s,
@@ -268,14 +280,19 @@ mod tests {
             trial(-1.0, Some(Stopped::Violated), 9.0, true),
             trial(-0.2, None, 9.0, true),
         ];
-        let found = sum_up(trials.iter(), 2.0);
+        let evaluation = sum_up(trials.iter(), 2.0);
+        let found = evaluation.figures;
         assert!((found.mean_reward + 0.35).abs() < 1e-12, "{found:?}");
         assert!(
             (found.mean_discounted_reward + 0.175).abs() < 1e-12,
             "{found:?}"
         );
         assert_eq!(
-            (found.success_rate, found.coverage_90, found.trials_per_s),
+            (
+                found.success_rate,
+                found.coverage_90,
+                evaluation.trials_per_s
+            ),
             (0.25, Some(0.75), 2.0)
         );
         assert_eq!(

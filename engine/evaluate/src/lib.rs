@@ -22,8 +22,8 @@ pub mod trial;
 pub use alpha_decider::AlphaContestant;
 pub use candidates::{Candidate, TrainBestError, TrainingPlan, train_best};
 pub use evaluation::{
-    Contestant, EvaluateError, Evaluation, EvaluationOptions, GoalChoice, NetworkContestant,
-    evaluate,
+    Contestant, EvaluateError, Evaluation, EvaluationOptions, Figures, GoalChoice,
+    NetworkContestant, evaluate,
 };
 pub use policy_file::expected_of;
 pub use pubs_policy::Method;

@@ -50,14 +50,6 @@ fn feature(
         offset,
         scale,
     };
-    let share = |name| Feature {
-        name,
-        unit: "1".to_owned(),
-        lower: 0.0,
-        upper: 1.0,
-        offset: 0.0,
-        scale: 1.0,
-    };
     Ok(match input {
         Input::MeanState => state(FeatureName::MeanState),
         Input::Goal => state(FeatureName::Goal),
@@ -76,19 +68,24 @@ fn feature(
     })
 }
 
+/// A number from 0 to 1, as it is.
+fn share(name: FeatureName) -> Feature {
+    Feature {
+        name,
+        unit: "1".to_owned(),
+        lower: 0.0,
+        upper: 1.0,
+        offset: 0.0,
+        scale: 1.0,
+    }
+}
+
 /// A force is brought to the order of 1 by the largest mean that the model knows of it.
 fn reading(task: &Task, model: &dyn Model, channel: usize) -> Result<Feature, ModelError> {
     let described = &model.channels()[channel];
     let name = FeatureName::Reading(described.name.clone());
     if described.kind == ChannelKind::Bernoulli {
-        return Ok(Feature {
-            name,
-            unit: "1".to_owned(),
-            lower: 0.0,
-            upper: 1.0,
-            offset: 0.0,
-            scale: 1.0,
-        });
+        return Ok(share(name));
     }
     let largest = largest_mean(task, model, channel)?;
     let unit = if task.control.is_some() { "N" } else { "1" };

@@ -191,7 +191,9 @@ fn sarsop_earns_on_sim_object_what_it_promises() {
         seed: 5,
         threads: Some(1),
     };
-    let found = evaluate(&task, &model, &contestant, &options).unwrap();
+    let found = evaluate(&task, &model, &contestant, &options)
+        .unwrap()
+        .figures;
     let (mean, error) = (
         found.mean_discounted_reward,
         found.mean_discounted_reward_se,

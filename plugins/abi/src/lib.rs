@@ -17,6 +17,7 @@ mod export;
 mod export_driver;
 mod export_model;
 pub mod observation_model;
+mod params;
 pub mod setup;
 pub mod table;
 
@@ -27,6 +28,7 @@ pub use export_model::observation_model_table;
 pub use observation_model::{
     Channel, ChannelKind, GridTransitions, ObservationModel, Support, Transitions,
 };
+pub use params::number_or;
 pub use setup::{
     ActionSetup, BeliefSetup, ControlSetup, DriverSetup, JointSetup, JointType, Mode, ModelSetup,
 };

@@ -10,9 +10,8 @@
 
 use pubs_plugin::{
     Channel, ChannelKind, ModelSetup, ObservationModel, PluginError, Support, Transitions,
-    export_observation_model,
+    export_observation_model, number_or,
 };
-use serde_json::Value;
 
 /// The light and how fast it fades.
 #[derive(Debug)]
@@ -35,9 +34,9 @@ impl ObservationModel for LightDark {
                 name: "position".to_owned(),
                 kind: ChannelKind::Gaussian,
             }],
-            light: number(params, "light", 10.0)?,
-            slope: number(params, "slope", 1.0)?,
-            floor: number(params, "floor", 1e-3)?,
+            light: number_or(params, "light", 10.0)?,
+            slope: number_or(params, "slope", 1.0)?,
+            floor: number_or(params, "floor", 1e-3)?,
         })
     }
 
@@ -56,19 +55,6 @@ impl ObservationModel for LightDark {
             *sigma = (state - self.light).abs() * self.slope + self.floor;
         }
         Ok(Support::Given)
-    }
-}
-
-/// A parameter, or its default where the object file leaves it out.
-fn number(params: &Value, name: &str, default: f32) -> Result<f32, PluginError> {
-    match &params[name] {
-        Value::Null => Ok(default),
-        value => match value.as_f64() {
-            Some(number) => Ok(number as f32),
-            None => Err(PluginError::new(format!(
-                "params: {name} = {value}, which is not a number"
-            ))),
-        },
     }
 }
 

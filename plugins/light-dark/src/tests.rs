@@ -4,6 +4,8 @@
 use pubs_plugin::{BeliefSetup, JointSetup, JointType};
 use serde_json::json;
 
+use serde_json::Value;
+
 use super::*;
 
 fn model(params: Value) -> Result<LightDark, PluginError> {

@@ -12,9 +12,8 @@
 
 use pubs_plugin::{
     Channel, ChannelKind, ModelSetup, ObservationModel, PluginError, Support, Transitions,
-    export_observation_model,
+    export_observation_model, number_or,
 };
-use serde_json::Value;
 
 /// The limits and what they feel like.
 #[derive(Debug)]
@@ -42,10 +41,10 @@ impl ObservationModel for LimitSensor {
             }],
             lower: setup.joint.lower as f32,
             upper: setup.joint.upper as f32,
-            reach: number(params, "reach", 0.5)?,
-            high_n: number(params, "high_n", 10.0)?,
-            low_n: number(params, "low_n", 0.0)?,
-            sigma_n: number(params, "sigma_n", 0.1)?,
+            reach: number_or(params, "reach", 0.5)?,
+            high_n: number_or(params, "high_n", 10.0)?,
+            low_n: number_or(params, "low_n", 0.0)?,
+            sigma_n: number_or(params, "sigma_n", 0.1)?,
         })
     }
 
@@ -65,19 +64,6 @@ impl ObservationModel for LimitSensor {
         }
         sigma.fill(self.sigma_n);
         Ok(Support::Given)
-    }
-}
-
-/// A parameter, or its default where the object file leaves it out.
-fn number(params: &Value, name: &str, default: f32) -> Result<f32, PluginError> {
-    match &params[name] {
-        Value::Null => Ok(default),
-        value => match value.as_f64() {
-            Some(number) => Ok(number as f32),
-            None => Err(PluginError::new(format!(
-                "params: {name} = {value}, which is not a number"
-            ))),
-        },
     }
 }
 

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -19,7 +19,7 @@ use serde::Serialize;
 use crate::failure::Failure;
 use crate::options::RuntimeOptions;
 use crate::policies::{MAX_STEPS, TRIALS};
-use crate::{Ended, built_in, exit, show};
+use crate::{Ended, built_in, exit, interrupt, show};
 
 #[derive(Args)]
 #[command(after_help = "Examples: pubs-engine reproduce
@@ -167,10 +167,7 @@ fn make(
     workshop: &Workshop<'_>,
     units: &[Unit],
 ) -> Result<Summary, Failure> {
-    let interrupt = Arc::new(AtomicBool::new(false));
-    let handler = Arc::clone(&interrupt);
-    ctrlc::set_handler(move || handler.store(true, Ordering::Release))
-        .map_err(|error| Failure::fault(&error))?;
+    let interrupt = interrupt::flag()?;
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = arguments.threads.map_or(cores, usize::from);
     let progress = Overall::new(units);

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -16,7 +16,7 @@ use crate::object::Ready;
 use crate::options::{FrequencyOptions, ObjectOptions, RuntimeOptions};
 use crate::policies::{self, MAX_STEPS};
 use crate::verbs::evaluate::parse_goal;
-use crate::{Ended, built_in, exit, object, show};
+use crate::{Ended, built_in, exit, interrupt, object, show};
 
 #[derive(Args)]
 #[command(after_help = "Examples: pubs-engine run objects/door2.toml --goal 0.5
@@ -81,10 +81,7 @@ pub fn run(arguments: &Arguments) -> Ended {
         .map(|goal| parse_goal(goal, &ready.task.joint))
         .collect::<Result<Vec<f64>, Failure>>()?;
     let runtime = arguments.runtime.runtime()?;
-    let interrupt = Arc::new(AtomicBool::new(false));
-    let handler = Arc::clone(&interrupt);
-    ctrlc::set_handler(move || handler.store(true, Ordering::Release))
-        .map_err(|error| Failure::fault(&error))?;
+    let interrupt = interrupt::flag()?;
     let file = policy(arguments, &ready, &goals, &runtime, &interrupt)?;
     let policy = Actor::open(&file, &runtime, ready.model.as_ref())
         .map_err(|error| Failure::incompatible(error.to_string()))?;

@@ -2,8 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use clap::Args;
@@ -13,7 +12,7 @@ use serde::Serialize;
 
 use crate::failure::{self, Failure};
 use crate::grid::GridArguments;
-use crate::{Ended, exit, pomdp_file, show};
+use crate::{Ended, exit, interrupt, pomdp_file, show};
 
 #[derive(Args)]
 #[command(
@@ -80,7 +79,7 @@ pub fn run(arguments: &Arguments) -> Ended {
         timeout: Some(arguments.timeout),
         ..SolveOptions::default()
     };
-    let interrupt = interruptible()?;
+    let interrupt = interrupt::flag()?;
     let mut speaker = Speaker::new(arguments.quiet);
     let solution = solve(&pomdp, &options, |progress| {
         speaker.say(progress);
@@ -216,13 +215,4 @@ fn parse_precision(text: &str) -> Result<f64, String> {
     value
         .filter(|value: &f64| value.is_finite() && *value > 0.0)
         .ok_or_else(|| "give a number above 0, such as 0.001".to_owned())
-}
-
-/// Set by Ctrl-C; the search then ends at its next report.
-fn interruptible() -> Result<Arc<AtomicBool>, Failure> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let handler = Arc::clone(&flag);
-    ctrlc::set_handler(move || handler.store(true, Ordering::Release))
-        .map_err(|error| Failure::fault(&error))?;
-    Ok(flag)
 }

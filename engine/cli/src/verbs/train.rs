@@ -1,12 +1,10 @@
 //! `pubs-engine train`: a policy for an object.
 
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 use pubs_core::goal::fraction_label;
-use pubs_evaluate::{EntropyInput, Evaluation, Method, TrainingPlan};
+use pubs_evaluate::{EntropyInput, Evaluation, Figures, Method, TrainingPlan};
 use pubs_policy::Existing;
 use pubs_train::Recipe;
 use pubs_train::surrogate::Goals;
@@ -17,7 +15,7 @@ use crate::options::{FrequencyOptions, ObjectOptions, RuntimeOptions};
 use crate::policies::{self, MAX_STEPS, TRIALS};
 use crate::training::TrainingResult;
 use crate::verbs::evaluate::parse_goal;
-use crate::{Ended, built_in, exit, object, show, training};
+use crate::{Ended, built_in, exit, interrupt, object, show, training};
 
 #[derive(Args)]
 #[command(after_help = "Examples: pubs-engine train objects/door2.toml
@@ -144,7 +142,7 @@ pub fn run(arguments: &Arguments) -> Ended {
     } else {
         Existing::Keep
     };
-    let interrupt = interruptible()?;
+    let interrupt = interrupt::flag()?;
     let result = training::train(&ready, &plan, &path, existing, &runtime, &interrupt)?;
     let report = report(&ready.task.name, label, &plan, path, result);
     if arguments.json {
@@ -172,15 +170,6 @@ fn file_name(arguments: &Arguments, object: &str, label: Option<&str>) -> String
         return format!("{object}{goal}.onnx");
     }
     format!("{}_{object}{goal}.onnx", variant.join("_"))
-}
-
-/// Set by Ctrl-C; a training then ends before its next update.
-fn interruptible() -> Result<Arc<AtomicBool>, Failure> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let handler = Arc::clone(&flag);
-    ctrlc::set_handler(move || handler.store(true, Ordering::Release))
-        .map_err(|error| Failure::fault(&error))?;
-    Ok(flag)
 }
 
 fn report(
@@ -241,21 +230,24 @@ fn text(report: &Report) -> String {
             "  seed {:<3} {:>8.0} steps/s  {}{kept}\n",
             seed.seed,
             seed.steps_per_s,
-            line(&seed.evaluation)
+            line(&seed.evaluation.figures)
         );
     }
-    text += &format!("  fresh trials              {}\n", line(&report.evaluation));
+    text += &format!(
+        "  fresh trials              {}\n",
+        line(&report.evaluation.figures)
+    );
     text + &format!("policy: {}", report.policy.display())
 }
 
-fn line(evaluation: &Evaluation) -> String {
+fn line(figures: &Figures) -> String {
     format!(
         "discounted {:.3} ± {:.3}, success {:.2} %, violations {}, time-outs {} in {} trials",
-        evaluation.mean_discounted_reward,
-        evaluation.mean_discounted_reward_se,
-        100.0 * evaluation.success_rate,
-        evaluation.safety_violations,
-        evaluation.time_outs,
-        evaluation.trials,
+        figures.mean_discounted_reward,
+        figures.mean_discounted_reward_se,
+        100.0 * figures.success_rate,
+        figures.safety_violations,
+        figures.time_outs,
+        figures.trials,
     )
 }

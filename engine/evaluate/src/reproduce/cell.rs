@@ -7,7 +7,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::evaluation::Evaluation;
+pub use crate::evaluation::Figures;
+
+pub use pubs_run::Outcome;
 
 pub use super::unit::{EntropyInput, GoalName, Method, SolverMethod, Unit};
 
@@ -84,52 +86,6 @@ pub struct Judged {
     pub shielded: Option<Figures>,
 }
 
-/// The figures of an evaluation that the tables need.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Figures {
-    /// How many trials.
-    pub trials: u64,
-    /// Mean sum of rewards.
-    pub mean_reward: f64,
-    /// Its standard error.
-    pub mean_reward_se: f64,
-    /// Mean Σ γ^t R_t.
-    pub mean_discounted_reward: f64,
-    /// Its standard error.
-    pub mean_discounted_reward_se: f64,
-    /// Share that stopped in the goal region.
-    pub success_rate: f64,
-    /// High-force actions that would have left the limits.
-    pub safety_violations: u64,
-    /// Trials that reached the cap.
-    pub time_outs: u64,
-    /// Stops outside the goal region.
-    pub failed_stops: u64,
-    /// Mean |s − s_g| of the trials that stopped; `None` where none did.
-    pub mean_goal_error: Option<f64>,
-    /// Mean policy steps.
-    pub mean_steps: f64,
-    /// Share of trials at whose end the belief's 90 % interval held the true state; `None` where
-    /// there is no belief.
-    pub coverage_90: Option<f64>,
-}
-
-/// How a trial on the arm ended: the outcomes of `run`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Outcome {
-    /// Stopped in the goal region.
-    Reached,
-    /// Stopped outside it.
-    Missed,
-    /// Reached the cap.
-    TimedOut,
-    /// Stopped for safety.
-    SafetyStop,
-    /// Something failed.
-    Fault,
-}
-
 /// One trial on the virtual arm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ArmTrial {
@@ -160,24 +116,5 @@ impl CellResult {
                 | (Self::Solver { .. }, Unit::Solver { .. })
                 | (Self::Arm { .. }, Unit::Arm { .. })
         )
-    }
-}
-
-impl From<&Evaluation> for Figures {
-    fn from(found: &Evaluation) -> Self {
-        Self {
-            trials: found.trials,
-            mean_reward: found.mean_reward,
-            mean_reward_se: found.mean_reward_se,
-            mean_discounted_reward: found.mean_discounted_reward,
-            mean_discounted_reward_se: found.mean_discounted_reward_se,
-            success_rate: found.success_rate,
-            safety_violations: found.safety_violations,
-            time_outs: found.time_outs,
-            failed_stops: found.failed_stops,
-            mean_goal_error: found.mean_goal_error,
-            mean_steps: found.mean_steps,
-            coverage_90: found.coverage_90,
-        }
     }
 }

@@ -12,7 +12,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use serde_json::{Map, Value, json};
 
-use super::cell::{ArmTrial, CellResult, GoalName, Outcome};
+use super::cell::{ArmTrial, CellResult, GoalName};
 use super::run_training::goal_state;
 use super::workshop::{Prepared, Workshop, WorkshopError};
 
@@ -99,13 +99,7 @@ fn told(report: &RunReport, seed: u64, start: f64, world: BTreeMap<String, f64>)
         seed,
         start,
         goal: report.goal,
-        outcome: match report.outcome {
-            pubs_run::Outcome::Reached => Outcome::Reached,
-            pubs_run::Outcome::Missed => Outcome::Missed,
-            pubs_run::Outcome::TimedOut => Outcome::TimedOut,
-            pubs_run::Outcome::SafetyStop => Outcome::SafetyStop,
-            pubs_run::Outcome::Fault => Outcome::Fault,
-        },
+        outcome: report.outcome,
         goal_error: report.goal_error,
         time_s: report.goals.last().map_or(0.0, |goal| goal.time_s),
         safety_violations: report.safety_violations.map_or(0, u64::from),

@@ -6,7 +6,7 @@ use std::time::Duration;
 use pubs_core::seed::stream;
 use pubs_solve::{Method, SolveOptions, solve as solve_pomdp};
 
-use super::cell::{CellResult, Figures, GoalName, SolverMethod};
+use super::cell::{CellResult, GoalName, SolverMethod};
 use super::run_training::goal_state;
 use super::workshop::{Prepared, Workshop, WorkshopError};
 use crate::alpha_decider::AlphaContestant;
@@ -80,6 +80,6 @@ pub fn solve(
         alpha_vectors: policy.alpha_vectors().len() as u64,
         solve_s: solution.time_s,
         policy: name,
-        evaluation: Figures::from(&evaluation),
+        evaluation: evaluation.figures,
     })
 }

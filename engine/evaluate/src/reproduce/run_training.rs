@@ -8,7 +8,7 @@ use pubs_policy::{Existing, PolicyFile};
 use pubs_train::surrogate::Goals;
 use pubs_train::{Progress, Recipe};
 
-use super::cell::{CellResult, Figures, GoalName, Judged};
+use super::cell::{CellResult, GoalName, Judged};
 use super::workshop::{Prepared, Workshop, WorkshopError};
 use crate::candidates::TrainingPlan;
 use crate::evaluation::{EvaluationOptions, GoalChoice, NetworkContestant, evaluate};
@@ -131,7 +131,7 @@ fn judge(
             threads: Some(1),
         };
         evaluate(&prepared.task, &prepared.model, &contestant, &options)
-            .map(|evaluation| Figures::from(&evaluation))
+            .map(|evaluation| evaluation.figures)
             .map_err(WorkshopError::of)
     };
     Ok(Judged {

@@ -19,7 +19,7 @@ use pubs_run::{Sample, Trip};
 
 use super::Arguments;
 use crate::failure::Failure;
-use crate::{driver, exit, show};
+use crate::{driver, exit, interrupt, show};
 
 /// How recordings for a model are called, and those that only compare.
 const CALIBRATION: &str = "calibration";
@@ -80,7 +80,7 @@ pub fn record(
     } else {
         Recorder::queued(writer).map_err(|error| Failure::fault(&error))?
     };
-    let interrupt = interrupt()?;
+    let interrupt = interrupt::flag()?;
     let kept = Kept {
         recorder: Arc::new(Mutex::new(Some(recorder))),
         interrupt: Arc::clone(&interrupt),
@@ -129,14 +129,6 @@ fn refused(error: &RecordError) -> Failure {
             message: error.to_string(),
         },
     }
-}
-
-fn interrupt() -> Result<Arc<AtomicBool>, Failure> {
-    let interrupt = Arc::new(AtomicBool::new(false));
-    let handler = Arc::clone(&interrupt);
-    ctrlc::set_handler(move || handler.store(true, Ordering::Release))
-        .map_err(|error| Failure::fault(&error))?;
-    Ok(interrupt)
 }
 
 /// What an interrupted recording has left.

@@ -86,8 +86,8 @@ struct Report {
 
 /// Several policies' figures on the same trials.
 #[derive(Serialize)]
-struct Reports<'a> {
-    evaluations: &'a [Report],
+struct Reports<'a, R> {
+    evaluations: &'a [R],
 }
 
 pub fn run(arguments: &Arguments) -> Ended {
@@ -121,20 +121,26 @@ pub fn run(arguments: &Arguments) -> Ended {
             judge(arguments, path, &ready, &runtime)?
         });
     }
-    match reports.as_slice() {
-        [report] if arguments.json => show::print_json(report)?,
-        reports if arguments.json => show::print_json(&Reports {
-            evaluations: reports,
-        })?,
+    let several = reports.len() > 1;
+    let text = |report: &Report| words::text(&ready.task.joint, report, several);
+    tell(&reports, arguments.json, text)?;
+    Ok(exit::DONE)
+}
+
+/// Prints the figures of one policy or of several.
+fn tell<R: Serialize>(
+    reports: &[R],
+    json: bool,
+    text: impl Fn(&R) -> String,
+) -> Result<(), Failure> {
+    match reports {
+        [report] if json => show::print_json(report),
+        evaluations if json => show::print_json(&Reports { evaluations }),
         reports => {
-            let texts: Vec<String> = reports
-                .iter()
-                .map(|report| words::text(&ready.task.joint, report, reports.len() > 1))
-                .collect();
-            show::print(&texts.join("\n\n"))?;
+            let texts: Vec<String> = reports.iter().map(text).collect();
+            show::print(&texts.join("\n\n"))
         }
     }
-    Ok(exit::DONE)
 }
 
 impl Arguments {

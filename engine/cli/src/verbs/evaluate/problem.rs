@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use pubs_solve::{TrialOptions, TrialSummary, simulate};
 use serde::Serialize;
 
-use super::{Arguments, alpha};
+use super::{Arguments, alpha, tell};
 use crate::failure::Failure;
-use crate::{Ended, exit, pomdp_file, show};
+use crate::{Ended, exit, pomdp_file};
 
 /// One policy's figures, as `--json` has them.
 #[derive(Serialize)]
@@ -27,12 +27,6 @@ struct Report {
     upper: f64,
 }
 
-/// Several policies' figures.
-#[derive(Serialize)]
-struct Reports<'a> {
-    evaluations: &'a [Report],
-}
-
 pub(super) fn run(arguments: &Arguments, file: &Path) -> Ended {
     let pomdp = pomdp_file::load(file)?;
     let mut reports = Vec::new();
@@ -49,16 +43,7 @@ pub(super) fn run(arguments: &Arguments, file: &Path) -> Ended {
         let found = simulate(&pomdp, &policy, &options);
         reports.push(report(path, &policy, found, arguments.seed));
     }
-    match reports.as_slice() {
-        [report] if arguments.json => show::print_json(report)?,
-        reports if arguments.json => show::print_json(&Reports {
-            evaluations: reports,
-        })?,
-        reports => {
-            let texts: Vec<String> = reports.iter().map(text).collect();
-            show::print(&texts.join("\n\n"))?;
-        }
-    }
+    tell(&reports, arguments.json, text)?;
     Ok(exit::DONE)
 }
 

@@ -8,6 +8,7 @@ use super::Report;
 pub(super) fn text(joint: &Joint, report: &Report, named: bool) -> String {
     let found = &report.evaluation;
     let error = found
+        .figures
         .mean_goal_error
         .map_or_else(|| "–".to_owned(), |error| joint.display(error));
     let head = if named {
@@ -15,7 +16,7 @@ pub(super) fn text(joint: &Joint, report: &Report, named: bool) -> String {
     } else {
         String::new()
     };
-    let coverage = found.coverage_90.map_or_else(
+    let coverage = found.figures.coverage_90.map_or_else(
         || "no belief".to_owned(),
         |share| {
             format!(
@@ -38,17 +39,17 @@ pub(super) fn text(joint: &Joint, report: &Report, named: bool) -> String {
          {:.2} s, {:.0} trials/s on {}",
         report.object,
         report.goal,
-        found.trials,
+        found.figures.trials,
         if report.shield { "on" } else { "off" },
-        found.mean_reward,
-        found.mean_reward_se,
-        found.mean_discounted_reward,
-        found.mean_discounted_reward_se,
-        100.0 * found.success_rate,
-        found.safety_violations,
-        found.time_outs,
-        found.failed_stops,
-        found.mean_steps,
+        found.figures.mean_reward,
+        found.figures.mean_reward_se,
+        found.figures.mean_discounted_reward,
+        found.figures.mean_discounted_reward_se,
+        100.0 * found.figures.success_rate,
+        found.figures.safety_violations,
+        found.figures.time_outs,
+        found.figures.failed_stops,
+        found.figures.mean_steps,
         found.time_s,
         found.trials_per_s,
         found.vector_unit,

@@ -51,6 +51,16 @@ pub fn named(
     goals: &[Option<f64>],
 ) -> Result<PolicyFile, Failure> {
     let incompatible = |error: &dyn std::error::Error| Failure::incompatible(chain(error));
+    if path
+        .extension()
+        .is_some_and(|end| end == "json" || end == "toml")
+    {
+        return Err(Failure::incompatible(format!(
+            "{} is no policy network (.onnx); alpha vectors (.json) are for `evaluate`, which follows \
+             them with a belief of their own",
+            path.display()
+        )));
+    }
     if let Some(inputs) = foreign {
         return PolicyFile::read_foreign(path, inputs, task.actions.len())
             .map_err(|error| incompatible(&error));

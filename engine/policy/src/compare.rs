@@ -54,7 +54,8 @@ pub enum Mismatch {
     /// Trained for another task.
     #[error(
         "the policy was trained for another task (object {name:?}, task {policy}; here {object}):{}\
-         \ntrain one for this object, or go back to the values it was trained with", list(.differences)
+         \ntrain one for this object, or go back to the values it was trained with (--belief-frequency, where \
+         rates or observations differ)", list(.differences)
     )]
     Task {
         /// The object named in the policy.

@@ -82,6 +82,8 @@ pub struct RunReport {
     pub object: String,
     /// The policy that chose the actions.
     pub policy: String,
+    /// Whether high-force actions were masked near limits.
+    pub shield: bool,
     /// How the run ended: as its last goal did.
     pub outcome: Outcome,
     /// By whose word.

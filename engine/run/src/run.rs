@@ -179,6 +179,7 @@ fn sum_up(
     RunReport {
         object: task.name.clone(),
         policy: options.policy.clone(),
+        shield: options.shield.is_some(),
         outcome: stopped.unwrap_or(last.outcome),
         judged_by: last.judged_by,
         goal: last.goal,

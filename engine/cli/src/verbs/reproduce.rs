@@ -103,6 +103,12 @@ pub fn run(arguments: &Arguments) -> Ended {
             arguments.timeout
         )));
     }
+    if !arguments.objects.is_dir() {
+        return Err(Failure::invalid(format!(
+            "there is no folder {}: name that of the object files with --objects",
+            arguments.objects.display()
+        )));
+    }
     let registry = built_in::registry(&arguments.plugin_dirs);
     let runtime = arguments.runtime.runtime()?;
     let workshop = Workshop {
@@ -118,6 +124,8 @@ pub fn run(arguments: &Arguments) -> Ended {
         arguments,
         arguments.only.iter().copied().collect(),
     ));
+    let names = units.iter().step_by(units.len().div_ceil(4)).map(Unit::id);
+    let names = names.collect::<Vec<_>>().join(", ");
     let named = |id: &str| {
         arguments
             .cells
@@ -127,12 +135,13 @@ pub fn run(arguments: &Arguments) -> Ended {
     units.retain(|unit| arguments.cells.is_empty() || named(&unit.id()));
     if units.is_empty() {
         return Err(Failure::invalid(format!(
-            "no cell's name holds {}; the report lists them all",
-            arguments.cells.join(" or ")
+            "no cell's name holds {}; names are such as {}",
+            arguments.cells.join(" or "),
+            names
         )));
     }
     let mut summary = if arguments.report_only {
-        Summary::of(&vec![None; units.len()], &units)
+        stored(&arguments.output, &units)?
     } else {
         make(arguments, &workshop, &units)?
     };
@@ -143,10 +152,11 @@ pub fn run(arguments: &Arguments) -> Ended {
         report(arguments, folder)?;
     }
     tell(arguments, &summary)?;
-    Ok(if summary.failed.is_empty() {
-        exit::DONE
-    } else {
-        exit::FAULT
+    Ok(match (summary.failed.is_empty(), summary.not_run) {
+        (false, _) => exit::FAULT,
+        (true, 0) => exit::DONE,
+        (true, _) if arguments.report_only => exit::DONE,
+        (true, _) => exit::MISSED,
     })
 }
 
@@ -193,6 +203,14 @@ fn make(
     Ok(Summary::of(&ends, units))
 }
 
+/// What an earlier run has stored of these units.
+fn stored(results: &Path, units: &[Unit]) -> Result<Summary, Failure> {
+    let read = Results::read(results).map_err(|error| Failure::fault(&error))?;
+    let kept = |unit| read.cell(unit).map(|_| Event::Kept);
+    let ends: Vec<Option<Event>> = units.iter().map(kept).collect();
+    Ok(Summary::of(&ends, units))
+}
+
 /// One bar over all cells, in estimated seconds of work.
 struct Overall {
     bar: ProgressBar,
@@ -225,7 +243,7 @@ impl Overall {
         self.bar.set_position(sum.sum());
         self.bar.set_message(unit.id());
         let line = match event {
-            Event::Running(_) | Event::Kept => return,
+            Event::Running(_) | Event::Kept | Event::Interrupted => return,
             Event::Made { time_s } => format!("{} in {time_s:.1} s", unit.id()),
             Event::Failed(reason) => format!("{} failed: {reason}", unit.id()),
         };
@@ -269,7 +287,7 @@ impl Summary {
             kept: count(|end| matches!(end, Some(Event::Kept))),
             made: count(|end| matches!(end, Some(Event::Made { .. }))),
             failed: failed.collect(),
-            not_run: count(|end| end.is_none()),
+            not_run: count(|end| matches!(end, None | Some(Event::Interrupted))),
             report: Vec::new(),
         }
     }

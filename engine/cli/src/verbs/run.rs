@@ -8,7 +8,7 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use pubs_core::{Joint, Task};
 use pubs_policy::{FeatureName, PolicyFile, Runtime};
-use pubs_run::{Actor, GoalPlan, GoalReport, Outcome, RunOptions, RunReport, Status};
+use pubs_run::{Actor, GoalPlan, GoalReport, Outcome, RunError, RunOptions, RunReport, Status};
 
 use crate::driver::{self, DriverOptions};
 use crate::failure::Failure;
@@ -75,6 +75,10 @@ pub fn run(arguments: &Arguments) -> Ended {
         &registry,
         arguments.seed,
     )?;
+    if ready.task.control.is_none() {
+        let error = RunError::Abstract(ready.task.name.clone());
+        return Err(Failure::invalid(error.to_string()));
+    }
     let goals = arguments
         .goals
         .iter()
@@ -190,7 +194,8 @@ fn summary(joint: &Joint, report: &RunReport) -> String {
     for goal in &report.goals {
         text += &goal_text(joint, goal);
     }
-    text += &format!("policy {}\n", report.policy);
+    let shield = if report.shield { "on" } else { "off" };
+    text += &format!("policy {}, shield {shield}\n", report.policy);
     let violations = report
         .safety_violations
         .map_or_else(|| "unknown".to_owned(), |count| count.to_string());

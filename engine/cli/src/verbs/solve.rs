@@ -119,6 +119,12 @@ pub fn run(arguments: &Arguments) -> Ended {
         show::print_json(&report)?;
     } else {
         show::print(&text(&report, &solution))?;
+        if origin.is_some() {
+            show::say(
+                "note: the bounds hold for the object on this grid; `pubs-engine evaluate` says what the \
+                 policy earns on the object itself",
+            );
+        }
     }
     Ok(exit::DONE)
 }
@@ -189,7 +195,7 @@ fn text(report: &Report, solution: &Solution) -> String {
     };
     format!(
         "{}: value from {:.4} to {:.4} (gap {:.4}) after {:.2} s, {reason}\n\
-         policy: {} ({} alpha vectors by {})",
+         policy: {} ({} alpha vectors by {}, {})",
         report.problem,
         report.lower,
         report.upper,
@@ -198,6 +204,10 @@ fn text(report: &Report, solution: &Solution) -> String {
         report.policy.display(),
         report.alpha_vectors,
         report.method,
+        match report.method {
+            Method::Sarsop => "its whole plan, pruned ones too",
+            Method::Qmdp => "no bound on what they earn",
+        },
     )
 }
 

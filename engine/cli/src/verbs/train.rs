@@ -53,7 +53,7 @@ pub struct Arguments {
     /// Leave high-force actions unmasked, as the paper
     #[arg(long)]
     no_shield: bool,
-    /// Write the policy here [default: policies/OBJECT.onnx, or OBJECT-GOAL.onnx]
+    /// Write the policy here [default: policies/OBJECT.onnx, or OBJECT-GOAL.onnx; baselines and ablations with their name before it]
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Replace a policy file that differs
@@ -109,6 +109,13 @@ pub fn run(arguments: &Arguments) -> Ended {
         None => ready.task.default_goal,
         Some(text) => Some(parse_goal(text, joint)?),
     };
+    if !arguments.method.has_belief() && arguments.entropy != EntropyInput::Belief {
+        return Err(Failure::invalid(format!(
+            "--entropy {} is for `pubs`; `{}` reads no belief",
+            arguments.entropy.name(),
+            arguments.method.name()
+        )));
+    }
     let mut recipe = match &arguments.recipe {
         None => Recipe::usual(&ready.task),
         Some(name) => name

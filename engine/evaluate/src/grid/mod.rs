@@ -54,6 +54,9 @@ pub enum GridError {
     /// Too few bins.
     #[error("{0} bins along the joint; at least 2 are needed, for its two limits")]
     Bins(usize),
+    /// Nothing would be observed.
+    #[error("0 bins for a channel; at least 1 is needed, and 2 to tell anything")]
+    NoObservation,
     /// Whole states have no other grid.
     #[error("the joint has {states} whole states, so there are as many bins, not {asked}")]
     WholeStates {
@@ -104,7 +107,8 @@ impl GridOptions {
     ) -> Result<Self, GridError> {
         let bins = state_bins(task, bins)?;
         let observation_bins = match observation_bins {
-            Some(asked) => asked.max(1),
+            Some(0) => return Err(GridError::NoObservation),
+            Some(asked) => asked,
             None if task.control.is_some() => FORCE_BINS,
             None => Observer::new(task, model)?.finest()?.min(bins.max(2)),
         };

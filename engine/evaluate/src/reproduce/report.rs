@@ -1,6 +1,6 @@
 //! The report: `report.md` with its figures beside it, and `report.html` with them inside.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use pubs_draw::DrawError;
@@ -140,6 +140,7 @@ fn head(results: &Results, context: &ReportContext) -> Vec<Block> {
         format!("Passed over: {}: {}", file.to_string_lossy(), notice.reason)
     });
     items.extend(passed_over);
+    items.extend(mixtures(results));
     vec![
         Block::Title("The paper's evaluation, reproduced".to_owned()),
         paragraph(
@@ -228,6 +229,25 @@ fn table_ii(results: &Results) -> Vec<Block> {
         ]);
     }
     blocks
+}
+
+/// Objects whose cells were not made from one object file: their numbers do not compare.
+fn mixtures(results: &Results) -> Vec<String> {
+    let mut hashes: BTreeMap<(&str, Option<u32>), BTreeSet<&str>> = BTreeMap::new();
+    for (_, cell) in results.cells() {
+        let of = (cell.unit.task(), cell.unit.belief_frequency());
+        hashes.entry(of).or_default().insert(&cell.task_hash);
+    }
+    let mixed = hashes.into_iter().filter(|(_, found)| found.len() > 1);
+    mixed
+        .map(|((task, _), found)| {
+            format!(
+                "Not comparable: the cells of {task} were made from {} different object files; run \
+                 the older ones again",
+                found.len()
+            )
+        })
+        .collect()
 }
 
 fn table_iii(results: &Results) -> Vec<Block> {

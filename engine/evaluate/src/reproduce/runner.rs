@@ -36,6 +36,8 @@ pub enum Event {
         /// Wall time, s.
         time_s: f64,
     },
+    /// It was broken off and is not stored.
+    Interrupted,
     /// It is not stored.
     Failed(String),
 }
@@ -107,6 +109,7 @@ impl Job<'_> {
         match self.store(earlier, progress) {
             Ok(None) => Event::Kept,
             Ok(Some(time_s)) => Event::Made { time_s },
+            Err(_) if self.interrupt.load(Ordering::Relaxed) => Event::Interrupted,
             Err(error) => Event::Failed(error.to_string()),
         }
     }
@@ -120,7 +123,7 @@ impl Job<'_> {
         let begun = Instant::now();
         let prepared = self
             .workshop
-            .object(self.unit.task(), frequency(self.unit))?;
+            .object(self.unit.task(), self.unit.belief_frequency())?;
         let task_hash = hash_of(&prepared.task);
         if earlier.is_some_and(|cell| self.holds(cell, &task_hash)) {
             return Ok(None);
@@ -316,18 +319,6 @@ fn store_json(
 fn hash_of(task: &Task) -> String {
     let task_hash = pubs_policy::task_hash(&task.policy_ingredients());
     format!("{}-{}", &task_hash[..16], &task.observation_hash()[..16])
-}
-
-fn frequency(unit: &Unit) -> Option<u32> {
-    match unit {
-        Unit::Training {
-            belief_frequency, ..
-        }
-        | Unit::Solver {
-            belief_frequency, ..
-        } => *belief_frequency,
-        Unit::Arm { .. } => None,
-    }
 }
 
 fn is_arm(unit: &Unit) -> bool {

@@ -121,6 +121,19 @@ impl Unit {
         }
     }
 
+    /// Filter updates per policy step; `None`: as the object file says.
+    pub fn belief_frequency(&self) -> Option<u32> {
+        match self {
+            Self::Training {
+                belief_frequency, ..
+            }
+            | Self::Solver {
+                belief_frequency, ..
+            } => *belief_frequency,
+            Self::Arm { .. } => None,
+        }
+    }
+
     /// Name of the object.
     pub fn task(&self) -> &str {
         match self {

@@ -4,6 +4,9 @@ use super::names::{Kind, Names};
 use super::parser::{Broken, Parser};
 use crate::pomdp::SUM_TOLERANCE;
 
+/// Far above what any solver comes to an end with; keeps a slip of the pen from filling the memory.
+const MOST: usize = 1_000_000;
+
 /// The forms of the initial belief.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum StartForm {
@@ -71,6 +74,11 @@ impl Parser<'_> {
             &[only] => match self.tokens[only].text.parse::<usize>() {
                 Ok(0) => {
                     let message = format!("there are 0 {keyword}");
+                    return Err(self.fault_at(only, message, help));
+                }
+                Ok(count) if count > MOST => {
+                    let message = format!("there are {count} {keyword}");
+                    let help = format!("a solver serves at most {MOST}");
                     return Err(self.fault_at(only, message, help));
                 }
                 Ok(count) => Names::counted(count),

@@ -7,7 +7,7 @@ use pubs_evaluate::trial::goal_label;
 use pubs_evaluate::{AlphaContestant, evaluate};
 use pubs_solve::AlphaPolicy;
 
-use super::{Arguments, Report, has_end};
+use super::{Arguments, Report, has_end, parse_goal};
 use crate::failure::{Failure, chain};
 use crate::object::Ready;
 
@@ -43,6 +43,15 @@ pub(super) fn judge(arguments: &Arguments, path: &Path, ready: &Ready) -> Result
     let policy = read(path)?;
     let (task, model) = (&ready.task, &ready.model);
     let origin = origin_of(path)?.ok_or_else(|| Failure::invalid("not a policy of an object"))?;
+    if let Some(text) = &arguments.goal
+        && parse_goal(text, &task.joint)? != origin.goal
+    {
+        return Err(Failure::invalid(format!(
+            "{} was solved for the goal {}; leave out --goal, or solve for the other one",
+            path.display(),
+            task.joint.display(origin.goal)
+        )));
+    }
     let grid = Grid::new(task, model.as_ref(), origin.goal, origin.grid)
         .map_err(|error| Failure::invalid(error.to_string()))?;
     policy.check_problem(&grid.pomdp).map_err(|_| {

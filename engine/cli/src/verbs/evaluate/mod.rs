@@ -47,7 +47,8 @@ pub struct Arguments {
     /// A trial times out after so many policy steps
     #[arg(long, default_value_t = MAX_STEPS, value_parser = clap::value_parser!(u32).range(1..))]
     max_steps: u32,
-    /// Leave high-force actions unmasked, as the paper
+    /// Leave high-force actions unmasked, as the paper; alpha vectors and policies without a belief
+    /// always do, since a shield looks at the belief
     #[arg(long)]
     no_shield: bool,
     #[command(flatten)]

@@ -28,6 +28,22 @@ struct Report {
 }
 
 pub(super) fn run(arguments: &Arguments, file: &Path) -> Ended {
+    let of_objects = [
+        (arguments.goal.is_some(), "--goal"),
+        (arguments.no_shield, "--no-shield"),
+        (!arguments.inputs.is_empty(), "--inputs"),
+        (
+            arguments.frequency.belief_frequency.is_some(),
+            "--belief-frequency",
+        ),
+        (!arguments.layers.set.is_empty(), "--set"),
+    ];
+    if let Some((_, option)) = of_objects.iter().find(|(given, _)| *given) {
+        return Err(Failure::invalid(format!(
+            "{option} is for objects; {} is a problem of its own",
+            file.display()
+        )));
+    }
     let pomdp = pomdp_file::load(file)?;
     let mut reports = Vec::new();
     for path in &arguments.policies {

@@ -148,6 +148,10 @@ fn unknown_words_list_the_known() {
         ("--method lstm3", ["lstm3", "lstm2"]),
         ("--entropy some", ["some", "random"]),
         ("--recipe best", ["best", "standard"]),
+        (
+            "--method ppo --entropy none",
+            ["--entropy none", "reads no belief"],
+        ),
     ];
     for (line, expected) in cases {
         let answer = with_door(folder.path(), "train", line);

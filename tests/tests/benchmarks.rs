@@ -72,6 +72,18 @@ fn a_benchmark_is_checked_trained_for_its_own_goal_and_evaluated() {
 }
 
 #[test]
+fn a_benchmark_is_not_run_on_an_arm_and_nothing_is_trained_for_that() {
+    let folder = tempfile::tempdir().unwrap();
+    let object = object("light_dark");
+    let line = "run --goal 0.5 --lockstep --policies new";
+    let refused = with_plugins(folder.path(), line, &object);
+    refused
+        .assert_code(2)
+        .assert_says(&["abstract joint", "evaluate"]);
+    assert_eq!(folder.path().read_dir().unwrap().count(), 0);
+}
+
+#[test]
 fn a_missing_library_is_answered_with_the_command_that_builds_it() {
     let folder = tempfile::tempdir().unwrap();
     // Alone in its folder the program has no library beside it.

@@ -96,6 +96,13 @@ fn an_object_is_solved_and_its_vectors_are_judged_on_the_object() {
     );
     assert_eq!(judged["success_rate"], 1.0);
 
+    // The vectors are for the goal that was solved.
+    let other = [&line[..], &["--goal", "0.9"]].concat();
+    let refused = pubs(folder.path(), &other);
+    refused
+        .assert_code(2)
+        .assert_says(&["solved for the goal 50"]);
+
     // Another goal's grid is another problem; and a door needs a goal.
     let qmdp = "--method qmdp --goal @20 -o other.json --json";
     solve(folder.path(), &object, qmdp).assert_code(0);
@@ -123,10 +130,13 @@ fn faults_of_a_problem_stand_at_line_and_column() {
         .assert_says(&["faulty.pomdp:7", "identty", "help"]);
     assert_eq!(answer.stdout, "");
 
+    let huge = "discount: 0.9\nstates: 2000000000\nactions: go\nobservations: see\n";
+    fs::write(folder.path().join("huge.pomdp"), huge).unwrap();
     let cases = [
         ("missing.pomdp", "", "missing.pomdp"),
         ("faulty.pomdp", "--bins 5", "--bins is for object files"),
         ("faulty.pomdp", "--timeout 0", "seconds above 0"),
+        ("huge.pomdp", "--timeout 1", "a solver serves at most"),
         ("faulty.pomdp", "--method best", "qmdp or sarsop"),
     ];
     for (file, line, expected) in cases {
@@ -158,6 +168,31 @@ fn a_policy_of_another_problem_is_refused() {
             .assert_code(code)
             .assert_says(&[expected]);
     }
+    let tiger = problem("tiger");
+    let line = [
+        "evaluate",
+        "tiger.json",
+        "--object",
+        &tiger,
+        "--goal",
+        "0.5",
+    ];
+    pubs(folder.path(), &line)
+        .assert_code(2)
+        .assert_says(&["--goal is for objects"]);
+    let door = path_text(&root().join("objects/door2.toml"));
+    let line = [
+        "run",
+        &door,
+        "--goal",
+        "0.5",
+        "--lockstep",
+        "--policy",
+        "tiger.json",
+    ];
+    pubs(folder.path(), &line)
+        .assert_code(5)
+        .assert_says(&["alpha vectors", "evaluate"]);
     fs::write(folder.path().join("broken.json"), "{").unwrap();
     let line = ["evaluate", "broken.json", "--object", other.as_str()];
     pubs(folder.path(), &line)

@@ -157,6 +157,8 @@ fn faulty_grids_say_why() {
     let (task, model) = object("door2");
     let fault = GridOptions::of(&task, model.as_ref(), Some(1), None).unwrap_err();
     assert!(matches!(fault, GridError::Bins(1)), "{fault}");
+    let fault = GridOptions::of(&task, model.as_ref(), None, Some(0)).unwrap_err();
+    assert!(matches!(fault, GridError::NoObservation), "{fault}");
     let options = GridOptions {
         bins: 20,
         observation_bins: 100,

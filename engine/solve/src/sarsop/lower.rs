@@ -85,7 +85,8 @@ impl LowerBound {
             }
         }
         let all = self.made.iter().zip(needed);
-        all.filter_map(|(alpha, needed)| needed.then(|| Rc::clone(alpha)))
+        all.filter(|(_, needed)| *needed)
+            .map(|(alpha, _)| Rc::clone(alpha))
             .collect()
     }
 

@@ -13,12 +13,15 @@ const RIGHT: i32 = 1470;
 const TOP: i32 = 160;
 const BOTTOM: i32 = SIZE[1] - 190;
 
+/// Half the length of the goal's marks.
+const MARK: i32 = 24;
+
 /// How far a rectangle reaches under its right and upper neighbours, which are drawn later: the
 /// sheet does not shine through between them at any scale.
 const UNDER: i32 = 8;
 
-/// A rectangle per run of one action, the goal as a line, and a legend that says which actions
-/// are never chosen.
+/// A rectangle per run of one action, the goal as marks at the edges, and a legend that says which
+/// actions are never chosen.
 pub(in crate::reproduce) fn heatmap(heatmap: &Heatmap) -> Result<String, DrawError> {
     let columns = edges(&heatmap.mean);
     let rows = edges(&heatmap.entropy);
@@ -81,12 +84,15 @@ fn runs(actions: &[usize]) -> Vec<(usize, usize, usize)> {
     runs
 }
 
-/// White between dark lines: seen on every colour.
+/// Marks above and below the picture: a line across it would hide the one column where a policy
+/// stops on whole states.
 fn goal(pen: &mut Pen, panel: &Panel, goal: f64) -> Result<(), DrawError> {
     let x = panel.x.at(goal);
-    let line = [[x, panel.y.end], [x, panel.y.start]];
-    pen.line(&line, WHITE, 9)?;
-    pen.line(&line, INK, 3)
+    for edge in [panel.y.end, panel.y.start] {
+        pen.line(&[[x, edge - MARK], [x, edge + MARK]], WHITE, 13)?;
+        pen.line(&[[x, edge - MARK], [x, edge + MARK]], INK, 7)?;
+    }
+    Ok(())
 }
 
 fn titles(pen: &mut Pen, heatmap: &Heatmap) -> Result<(), DrawError> {

@@ -92,6 +92,14 @@ fn one_small_cell_of_each_kind_and_a_report() {
     fs::write(results.join(format!("cells/{id}.json")), "{").unwrap();
     let again = reproduce(folder.path(), cells, "");
     assert_eq!(counts(&again.assert_code(0).json()), [1, 8, 0, 0]);
+    // So is a cell whose policy is gone, and trials on the arm that took another policy.
+    fs::remove_file(results.join(format!("policies/{id}.onnx"))).unwrap();
+    let path = results.join("cells/arm-drawer1.json");
+    let mut arm: Value = serde_json::from_str(&fs::read_to_string(&path).unwrap()).unwrap();
+    arm["result"]["policy_sha256"] = "another".into();
+    fs::write(&path, arm.to_string()).unwrap();
+    let again = reproduce(folder.path(), cells, "");
+    assert_eq!(counts(&again.assert_code(0).json()), [2, 7, 0, 0]);
     let more = reproduce(
         folder.path(),
         "drawer1-middle-ppo",

@@ -1,6 +1,7 @@
 //! Options that several verbs share.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::Args;
 use pubs_core::object::Overrides;
@@ -62,4 +63,17 @@ impl RuntimeOptions {
         Runtime::from_library(self.onnxruntime.as_deref())
             .map_err(|error| Failure::incompatible(chain(&error)))
     }
+}
+
+/// Reads seconds above 0, as a value parser.
+///
+/// # Errors
+/// What to give instead.
+pub fn parse_timeout(text: &str) -> Result<Duration, String> {
+    let help = "give seconds above 0, such as 10 or 0.5";
+    let seconds: f64 = text.parse().map_err(|_| help.to_owned())?;
+    if seconds <= 0.0 {
+        return Err(help.to_owned());
+    }
+    Duration::try_from_secs_f64(seconds).map_err(|_| help.to_owned())
 }

@@ -1,5 +1,7 @@
 //! A policy of alpha vectors in trials of the object that it was solved for.
 
+use pubs_core::Task;
+use pubs_core::belief::Model;
 use pubs_core::shield::Shield;
 use pubs_solve::{AlphaPolicy, belief};
 use pubs_train::surrogate::{Episode, Senses};
@@ -8,8 +10,6 @@ use crate::decider::Decider;
 use crate::evaluation::{Contestant, EvaluateError};
 use crate::grid::Grid;
 use crate::trial::TrialError;
-use pubs_core::Task;
-use pubs_core::belief::Model;
 
 /// A policy of alpha vectors with the grid of its object.
 #[derive(Debug, Clone, Copy)]
@@ -21,19 +21,19 @@ pub struct AlphaContestant<'a> {
 }
 
 impl Contestant for AlphaContestant<'_> {
-    fn open(&self, _: &Task, _: &dyn Model) -> Result<Box<dyn Decider>, EvaluateError> {
+    fn open(&self, _: &Task, _: &dyn Model) -> Result<Box<dyn Decider + '_>, EvaluateError> {
         Ok(Box::new(AlphaDecider {
-            policy: self.policy.clone(),
-            grid: self.grid.clone(),
+            policy: self.policy,
+            grid: self.grid,
             tracked: Vec::new(),
         }))
     }
 }
 
 /// Follows each trial with an exact belief over the grid's states.
-struct AlphaDecider {
-    policy: AlphaPolicy,
-    grid: Grid,
+struct AlphaDecider<'a> {
+    policy: &'a AlphaPolicy,
+    grid: &'a Grid,
     tracked: Vec<Tracked>,
 }
 
@@ -44,7 +44,7 @@ struct Tracked {
     action: Option<usize>,
 }
 
-impl Decider for AlphaDecider {
+impl Decider for AlphaDecider<'_> {
     fn senses(&self, _: Option<&Shield>) -> Senses {
         Senses::new([], false)
     }
@@ -67,7 +67,7 @@ impl Decider for AlphaDecider {
         for &(trial, episode) in running {
             let tracked = &mut self.tracked[trial];
             if let Some(action) = tracked.action {
-                tracked.belief = followed(&self.grid, &tracked.belief, action, episode);
+                tracked.belief = followed(self.grid, &tracked.belief, action, episode);
             }
             let action = self.policy.choose(&tracked.belief);
             tracked.action = Some(action);

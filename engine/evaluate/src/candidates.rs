@@ -14,7 +14,7 @@ use pubs_core::Task;
 use pubs_core::belief::Model;
 use pubs_core::seed::stream;
 use pubs_core::shield::Shield;
-use pubs_policy::{Contract, ExportError, Runtime};
+use pubs_policy::{Contract, ExportError, Method, Runtime};
 use pubs_train::surrogate::Goals;
 use pubs_train::{Progress, Recipe};
 
@@ -24,7 +24,6 @@ use crate::evaluation::{
 use crate::policy_file::{contract_of, write};
 use crate::reads::EntropyInput;
 use crate::training::{TrainSeedError, TrainedSeed, train_seed};
-use pubs_policy::Method;
 
 /// What to train.
 #[derive(Debug, Clone)]

@@ -118,7 +118,7 @@ pub trait Contestant: Sync {
     ///
     /// # Errors
     /// Where it cannot be run, or reads what the object does not give.
-    fn open(&self, task: &Task, model: &dyn Model) -> Result<Box<dyn Decider>, EvaluateError>;
+    fn open(&self, task: &Task, model: &dyn Model) -> Result<Box<dyn Decider + '_>, EvaluateError>;
 }
 
 /// A policy file and what runs it.
@@ -131,7 +131,7 @@ pub struct NetworkContestant<'a> {
 }
 
 impl Contestant for NetworkContestant<'_> {
-    fn open(&self, task: &Task, model: &dyn Model) -> Result<Box<dyn Decider>, EvaluateError> {
+    fn open(&self, task: &Task, model: &dyn Model) -> Result<Box<dyn Decider + '_>, EvaluateError> {
         let refused = |error: &dyn std::error::Error| EvaluateError::Open(error.to_string());
         let inputs = resolve(self.file.inputs(), model).map_err(|error| refused(&error))?;
         let policy = self

@@ -8,8 +8,9 @@ use std::path::Path;
 
 use common::{arm, arm_trial, solved, solver, store, trained, training, under_shield, varied};
 use pubs_evaluate::reproduce::cell::{CellResult, EntropyInput, GoalName, Method, Outcome, Unit};
+use pubs_evaluate::reproduce::heatmap::{PICTURES, heatmap_id};
 use pubs_evaluate::reproduce::paper::{ABLATED, ENTROPIES, FREQUENCIES, GOALS, METHODS, OBJECTS};
-use pubs_evaluate::reproduce::report::{self, FIGURE_5, ReportContext};
+use pubs_evaluate::reproduce::report::{self, ReportContext};
 use pubs_evaluate::reproduce::{CELLS, HEATMAPS, Heatmap, Results, tables};
 use tempfile::TempDir;
 
@@ -44,6 +45,7 @@ fn whole(folder: &Path) -> Vec<Unit> {
             }
             Unit::Solver { .. } => solved(mean),
             Unit::Arm { .. } => CellResult::Arm {
+                policy_sha256: String::new(),
                 trials: (0..20).map(arm_trial_of).collect(),
             },
         };
@@ -51,7 +53,8 @@ fn whole(folder: &Path) -> Vec<Unit> {
     }
     planned.extend(OBJECTS[..2].iter().map(|object| arm(object, true)));
     std::fs::create_dir_all(folder.join(HEATMAPS)).unwrap();
-    for (id, title) in FIGURE_5 {
+    for (task, goal, title) in PICTURES {
+        let id = heatmap_id(task, goal);
         let file = folder.join(HEATMAPS).join(format!("{id}.json"));
         std::fs::write(file, serde_json::to_string(&heatmap(title)).unwrap()).unwrap();
     }
@@ -223,7 +226,7 @@ fn what_is_not_run_is_said_and_never_zero() {
             assert_eq!(field.trim(), "not run", "{line}");
         }
     }
-    for (_, title) in FIGURE_5 {
+    for (_, _, title) in PICTURES {
         assert!(text.contains(&format!("{title}: not run.")), "{title}");
     }
     let svg = std::fs::read_to_string(folder.path().join("fig4-violations.svg")).unwrap();

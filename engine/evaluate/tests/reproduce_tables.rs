@@ -203,7 +203,14 @@ fn transfer_counts_successful_trials() {
         arm_trial(Outcome::Reached, 0.5, 0.02, 1.0),
     ];
     let unit = arm("drawer1", false);
-    store(folder.path(), unit, CellResult::Arm { trials });
+    store(
+        folder.path(),
+        unit,
+        CellResult::Arm {
+            policy_sha256: String::new(),
+            trials,
+        },
+    );
     let results = Results::read(folder.path()).unwrap();
     let row = transfer::transfer(&results, "drawer1", false).unwrap();
     let near = |found: f64, expected: f64| (found - expected).abs() < 1e-9;

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -17,7 +18,7 @@ use pubs_evaluate::reproduce::{Results, cell::Unit};
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::options::RuntimeOptions;
+use crate::options::{RuntimeOptions, parse_timeout};
 use crate::policies::{MAX_STEPS, TRIALS};
 use crate::{Ended, built_in, exit, interrupt, show};
 
@@ -55,8 +56,8 @@ pub struct Arguments {
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     steps: Option<u64>,
     /// Time limit of each solver, s
-    #[arg(long, default_value_t = 120.0, value_name = "SECONDS")]
-    timeout: f64,
+    #[arg(long, default_value = "120", value_name = "SECONDS", value_parser = parse_timeout)]
+    timeout: Duration,
     /// Cells at once [default: one per core]
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
@@ -97,12 +98,6 @@ struct Failed {
 }
 
 pub fn run(arguments: &Arguments) -> Ended {
-    if !(arguments.timeout > 0.0 && arguments.timeout.is_finite()) {
-        return Err(Failure::invalid(format!(
-            "--timeout {} is no time; write seconds above 0",
-            arguments.timeout
-        )));
-    }
     if !arguments.objects.is_dir() {
         return Err(Failure::invalid(format!(
             "there is no folder {}: name that of the object files with --objects",
@@ -124,7 +119,10 @@ pub fn run(arguments: &Arguments) -> Ended {
         arguments,
         arguments.only.iter().copied().collect(),
     ));
-    let names = units.iter().step_by(units.len().div_ceil(4)).map(Unit::id);
+    let names = units
+        .iter()
+        .step_by(units.len().div_ceil(4).max(1))
+        .map(Unit::id);
     let names = names.collect::<Vec<_>>().join(", ");
     let named = |id: &str| {
         arguments
@@ -145,11 +143,20 @@ pub fn run(arguments: &Arguments) -> Ended {
     } else {
         make(arguments, &workshop, &units)?
     };
-    runner::heatmaps(&workshop).map_err(|error| Failure::fault(&error))?;
-    summary.report = report(arguments, &arguments.output)?;
+    let trained = read(&arguments.output)?;
+    runner::heatmaps(&workshop, &trained).map_err(|error| Failure::fault(&error))?;
+    let results = read(&arguments.output)?;
+    for notice in results.notices() {
+        show::say(&format!(
+            "warning: passed over {}: {}",
+            notice.file.display(),
+            notice.reason
+        ));
+    }
+    summary.report = report(arguments, &results, &arguments.output)?;
     if let Some(folder) = &arguments.keep {
-        runner::keep(&workshop, folder).map_err(|error| Failure::fault(&error))?;
-        report(arguments, folder)?;
+        runner::keep(&workshop, &results, folder).map_err(|error| Failure::fault(&error))?;
+        report(arguments, &results, folder)?;
     }
     tell(arguments, &summary)?;
     Ok(match (summary.failed.is_empty(), summary.not_run) {
@@ -166,7 +173,7 @@ fn options(arguments: &Arguments, parts: BTreeSet<Part>) -> PlanOptions {
         parts,
         seeds: arguments.seeds,
         recurrent_seeds: arguments.recurrent_seeds,
-        timeout_s: arguments.timeout,
+        timeout_s: arguments.timeout.as_secs_f64(),
         arm_trials: arguments.trials,
     }
 }
@@ -205,8 +212,8 @@ fn make(
 
 /// What an earlier run has stored of these units.
 fn stored(results: &Path, units: &[Unit]) -> Result<Summary, Failure> {
-    let read = Results::read(results).map_err(|error| Failure::fault(&error))?;
-    let kept = |unit| read.cell(unit).map(|_| Event::Kept);
+    let results = read(results)?;
+    let kept = |unit| results.cell(unit).map(|_| Event::Kept);
     let ends: Vec<Option<Event>> = units.iter().map(kept).collect();
     Ok(Summary::of(&ends, units))
 }
@@ -293,16 +300,16 @@ impl Summary {
     }
 }
 
+fn read(folder: &Path) -> Result<Results, Failure> {
+    Results::read(folder).map_err(|error| Failure::fault(&error))
+}
+
 /// Writes the report on what is stored to a folder.
-fn report(arguments: &Arguments, folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let read = Results::read(&arguments.output).map_err(|error| Failure::fault(&error))?;
-    for notice in read.notices() {
-        show::say(&format!(
-            "warning: passed over {}: {}",
-            notice.file.display(),
-            notice.reason
-        ));
-    }
+fn report(
+    arguments: &Arguments,
+    results: &Results,
+    folder: &Path,
+) -> Result<Vec<PathBuf>, Failure> {
     let command: Vec<String> = std::env::args().skip(1).collect();
     let context = ReportContext {
         command: format!("pubs-engine {}", command.join(" ")),
@@ -311,7 +318,7 @@ fn report(arguments: &Arguments, folder: &Path) -> Result<Vec<PathBuf>, Failure>
         made_at: now(),
         planned: plan(&options(arguments, BTreeSet::new())),
     };
-    write(&read, folder, &context).map_err(|error| Failure::fault(&error))
+    write(results, folder, &context).map_err(|error| Failure::fault(&error))
 }
 
 fn tell(arguments: &Arguments, summary: &Summary) -> Result<(), Failure> {

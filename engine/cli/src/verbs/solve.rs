@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use crate::failure::{self, Failure};
 use crate::grid::GridArguments;
+use crate::options::parse_timeout;
 use crate::{Ended, exit, interrupt, pomdp_file, show};
 
 #[derive(Args)]
@@ -209,15 +210,6 @@ fn text(report: &Report, solution: &Solution) -> String {
             Method::Qmdp => "no bound on what they earn",
         },
     )
-}
-
-fn parse_timeout(text: &str) -> Result<Duration, String> {
-    let help = "give seconds above 0, such as 10 or 0.5";
-    let seconds: f64 = text.parse().map_err(|_| help.to_owned())?;
-    if seconds <= 0.0 {
-        return Err(help.to_owned());
-    }
-    Duration::try_from_secs_f64(seconds).map_err(|_| help.to_owned())
 }
 
 fn parse_precision(text: &str) -> Result<f64, String> {

@@ -43,7 +43,6 @@ pub struct Grid {
     pub pomdp: Pomdp,
     /// How fine it is.
     pub options: GridOptions,
-    channels: Vec<Channel>,
     bins: Vec<Bins>,
     groups: Groups,
 }
@@ -110,7 +109,7 @@ impl GridOptions {
             Some(0) => return Err(GridError::NoObservation),
             Some(asked) => asked,
             None if task.control.is_some() => FORCE_BINS,
-            None => Observer::new(task, model)?.finest()?.min(bins.max(2)),
+            None => Observer::new(task, model).finest()?.min(bins.max(2)),
         };
         Ok(Self {
             bins,
@@ -150,7 +149,7 @@ impl Grid {
                     .at_fraction(index as f64 / (options.bins - 1) as f64)
             })
             .collect();
-        let mut observer = Observer::new(task, model)?;
+        let mut observer = Observer::new(task, model);
         let bins = channel_bins(&mut observer, model.channels(), options.observation_bins)?;
         let count = checked_count(&bins, options.observation_bins)?;
         let terminal = states.len();
@@ -200,7 +199,6 @@ impl Grid {
         Ok(Self {
             pomdp,
             options,
-            channels: model.channels().to_vec(),
             bins,
             groups,
         })
@@ -208,8 +206,8 @@ impl Grid {
 
     /// The observation that readings `[C]` fall into.
     pub fn observe(&self, readings: &[f32]) -> usize {
-        let channels = self.channels.iter().zip(&self.bins).zip(readings);
-        let place = channels.fold(0, |index, ((_, bins), &reading)| {
+        let channels = self.bins.iter().zip(readings);
+        let place = channels.fold(0, |index, (bins, &reading)| {
             index * bins.count() + bins.place(f64::from(reading))
         });
         self.groups.of_place(place)

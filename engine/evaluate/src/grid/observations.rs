@@ -22,14 +22,14 @@ pub(super) struct Observer<'a> {
 }
 
 impl<'a> Observer<'a> {
-    pub(super) fn new(task: &'a Task, model: &'a dyn Model) -> Result<Self, GridError> {
+    pub(super) fn new(task: &'a Task, model: &'a dyn Model) -> Self {
         let channels = model.channels().len();
-        Ok(Self {
+        Self {
             task,
             model,
             mean: vec![0.0; channels],
             sigma: vec![1.0; channels],
-        })
+        }
     }
 
     /// Fills mean and sigma for one transition.

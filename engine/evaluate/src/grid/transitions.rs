@@ -1,6 +1,6 @@
 //! Where an action leads, as probabilities of the states of a grid.
 
-use pubs_core::{Mode, Motion, Task};
+use pubs_core::Task;
 
 use super::GridError;
 use super::observations::Observer;
@@ -15,16 +15,9 @@ pub(super) fn moved(
     index: usize,
     state: f64,
 ) -> Result<Vec<(usize, f64)>, GridError> {
-    let Motion::Move {
-        mode,
-        displacement,
-        observations,
-    } = task.actions[index].motion
-    else {
-        return Ok(vec![(place(states, state), 1.0)]);
-    };
-    let parts = observations.max(1);
-    let part = displacement / f64::from(parts);
+    let action = &task.actions[index];
+    let parts = action.observations();
+    let part = action.displacement() / f64::from(parts);
     let joint = &task.joint;
     let at = |moved: u32| (state + part * f64::from(moved)).clamp(joint.lower, joint.upper);
     // Probability that so many of the parts have moved.
@@ -32,7 +25,7 @@ pub(super) fn moved(
     for _ in 0..parts {
         let mut next = vec![0.0; moved.len() + 1];
         for (count, probability) in moved.iter().enumerate() {
-            let moves = chance_to_move(task, observer, index, mode, at(count as u32))?;
+            let moves = chance_to_move(task, observer, index, at(count as u32))?;
             next[count + 1] += probability * moves;
             next[count] += probability * (1.0 - moves);
         }
@@ -53,7 +46,6 @@ fn chance_to_move(
     task: &Task,
     observer: &mut Observer<'_>,
     index: usize,
-    mode: Mode,
     state: f64,
 ) -> Result<f64, GridError> {
     let Some(control) = task.control else {
@@ -64,7 +56,7 @@ fn chance_to_move(
         return Ok(probability.clamp(0.0, 1.0));
     }
     match observer.moment("f_d") {
-        Some((mean, sigma)) if mode == Mode::Safe => {
+        Some((mean, sigma)) if !task.actions[index].is_high_force() => {
             let above = (control.force_threshold_n - mean) / (sigma * std::f64::consts::SQRT_2);
             Ok(1.0 - 0.5 * libm::erfc(above))
         }
@@ -86,9 +78,4 @@ fn share(states: &[f64], at: f64, probability: f64, row: &mut Vec<(usize, f64)>)
         row.push((below, probability * (1.0 - rest)));
         row.push((below + 1, probability * rest));
     }
-}
-
-fn place(states: &[f64], at: f64) -> usize {
-    let spacing = states[1] - states[0];
-    ((at - states[0]) / spacing).round() as usize
 }

@@ -72,6 +72,9 @@ pub enum CellResult {
     },
     /// Of [`Unit::Arm`].
     Arm {
+        /// Of the weights of the policy that was taken, the best seed's at that time.
+        #[serde(default)]
+        policy_sha256: String,
         /// In order of their seeds.
         trials: Vec<ArmTrial>,
     },

@@ -4,7 +4,7 @@ use super::cell::{Figures, GoalName, Method};
 use super::paper::{Estimate, FREQUENCIES};
 use super::results::Results;
 use super::seeds::{Seeds, Training, reward};
-use super::tables::{SOLVERS, solver, success, training};
+use super::tables::{SOLVERS, solver, success};
 
 const TASK: &str = "light_dark";
 
@@ -59,7 +59,7 @@ pub fn lines(results: &Results) -> Vec<Line> {
 fn at(results: &Results, belief_frequency: Option<u32>) -> Option<Seeds<'_>> {
     let training = Training {
         belief_frequency,
-        ..training(TASK, GoalName::Own, Method::Pubs)
+        ..Training::new(TASK, GoalName::Own, Method::Pubs)
     };
     training.seeds(results)
 }

@@ -2,6 +2,20 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::unit::GoalName;
+
+/// The policies of Fig. 5: task, goal, and what stands above the picture.
+pub const PICTURES: [(&str, GoalName, &str); 3] = [
+    ("door2", GoalName::Middle, "Door 2, middle"),
+    ("drawer2", GoalName::Closed, "Drawer 2, close"),
+    ("light_dark", GoalName::Own, "Light-Dark"),
+];
+
+/// Name of a heatmap's file, less its extension.
+pub fn heatmap_id(task: &str, goal: GoalName) -> String {
+    format!("{task}-{}", goal.name())
+}
+
 /// The chosen actions on a grid: one file, `heatmaps/<id>.json` of a results folder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Heatmap {

@@ -3,12 +3,10 @@
 use std::collections::BTreeSet;
 use std::str::FromStr;
 
+use super::heatmap::PICTURES;
 use super::paper::{FREQUENCIES, GOALS, OBJECTS};
-use super::runner::HEATMAPS_OF;
 use super::seeds::Training;
-use super::unit::{GoalName, SolverMethod, Unit, explored_under_shield};
-use crate::reads::EntropyInput;
-use pubs_policy::Method;
+use super::unit::{EntropyInput, GoalName, Method, SolverMethod, Unit};
 
 /// The benchmarks.
 const BENCHMARKS: [&str; 2] = ["sim_object", "light_dark"];
@@ -86,7 +84,13 @@ fn table_1(options: &PlanOptions, method: Method, shielded: bool) -> Vec<Unit> {
     };
     let of_seed = |seed| {
         let of_goal = move |goal| {
-            OBJECTS.map(|task| Trained::new(task, goal, method).under(shielded).unit(seed))
+            OBJECTS.map(|task| {
+                let training = Training {
+                    shielded,
+                    ..Training::new(task, goal, method)
+                };
+                training.unit(seed)
+            })
         };
         GOALS.into_iter().flat_map(of_goal)
     };
@@ -107,15 +111,18 @@ fn table_2(options: &PlanOptions) -> Vec<Unit> {
 
 fn benchmarks(options: &PlanOptions) -> impl Iterator<Item = Unit> {
     let of_seed =
-        |seed| BENCHMARKS.map(|task| Trained::new(task, GoalName::Own, Method::Pubs).unit(seed));
+        |seed| BENCHMARKS.map(|task| Training::new(task, GoalName::Own, Method::Pubs).unit(seed));
     (1..=options.seeds).flat_map(of_seed)
 }
 
 fn figure_4(options: &PlanOptions) -> Vec<Unit> {
-    let light_dark = Trained::new("light_dark", GoalName::Own, Method::Pubs);
     // The object file itself stands for the fastest.
     let [slower @ .., _] = FREQUENCIES;
-    let of_seed = |seed| slower.map(|frequency| light_dark.at(frequency).unit(seed));
+    let at = |frequency| Training {
+        belief_frequency: Some(frequency),
+        ..Training::new("light_dark", GoalName::Own, Method::Pubs)
+    };
+    let of_seed = |seed| slower.map(|frequency| at(frequency).unit(seed));
     let own = |unit: &Unit| unit.task() == "light_dark";
     let frequencies = (1..=options.seeds).flat_map(of_seed);
     frequencies
@@ -131,9 +138,11 @@ fn table_3(options: &PlanOptions) -> Vec<Unit> {
             let benchmarks = BENCHMARKS.map(|task| (task, GoalName::Own));
             let tasks = objects.into_iter().chain(benchmarks);
             units.extend(tasks.map(|(task, goal)| {
-                Trained::new(task, goal, Method::Pubs)
-                    .with(entropy)
-                    .unit(seed)
+                let training = Training {
+                    entropy,
+                    ..Training::new(task, goal, Method::Pubs)
+                };
+                training.unit(seed)
             }));
         }
     }
@@ -142,7 +151,7 @@ fn table_3(options: &PlanOptions) -> Vec<Unit> {
 
 fn figure_5(options: &PlanOptions) -> Vec<Unit> {
     let of_seed =
-        |seed| HEATMAPS_OF.map(|(task, goal)| Trained::new(task, goal, Method::Pubs).unit(seed));
+        |seed| PICTURES.map(|(task, goal, _)| Training::new(task, goal, Method::Pubs).unit(seed));
     (1..=options.seeds).flat_map(of_seed).collect()
 }
 
@@ -151,9 +160,11 @@ fn figure_5(options: &PlanOptions) -> Vec<Unit> {
 fn table_4(options: &PlanOptions) -> Vec<Unit> {
     let of_seed = |seed| {
         OBJECTS.map(|task| {
-            Trained::new(task, GoalName::Middle, Method::Pubs)
-                .under(true)
-                .unit(seed)
+            let training = Training {
+                shielded: true,
+                ..Training::new(task, GoalName::Middle, Method::Pubs)
+            };
+            training.unit(seed)
         })
     };
     let arm = |drift| {
@@ -165,47 +176,6 @@ fn table_4(options: &PlanOptions) -> Vec<Unit> {
     };
     let policies = (1..=options.seeds).flat_map(of_seed);
     policies.chain(arm(false)).chain(arm(true)).collect()
-}
-
-/// A training that is to be run with some seeds.
-#[derive(Clone, Copy)]
-struct Trained<'a>(Training<'a>);
-
-impl<'a> Trained<'a> {
-    fn new(task: &'a str, goal: GoalName, method: Method) -> Self {
-        let entropy = if method.has_belief() {
-            EntropyInput::Belief
-        } else {
-            EntropyInput::None
-        };
-        Self(Training {
-            task,
-            goal,
-            method,
-            entropy,
-            belief_frequency: None,
-            shielded: explored_under_shield(task),
-        })
-    }
-
-    fn with(mut self, entropy: EntropyInput) -> Self {
-        self.0.entropy = entropy;
-        self
-    }
-
-    fn under(mut self, shielded: bool) -> Self {
-        self.0.shielded = shielded;
-        self
-    }
-
-    fn at(mut self, belief_frequency: u32) -> Self {
-        self.0.belief_frequency = Some(belief_frequency);
-        self
-    }
-
-    fn unit(self, seed: u64) -> Unit {
-        self.0.unit(seed)
-    }
 }
 
 impl Part {

@@ -8,18 +8,12 @@ use pubs_draw::DrawError;
 use super::brief::brief;
 use super::cell::{Cell, CellResult, Unit};
 use super::document::{Block, Figure, Table};
+use super::heatmap::{PICTURES, heatmap_id};
 use super::html::html;
 use super::markdown::markdown;
 use super::numbers::{NOT_RUN, NOTHING, duration};
 use super::results::Results;
 use super::{figures, frequency, paper, sections, tables, violations};
-
-/// Files of the heatmaps of Fig. 5, and what each shows.
-pub const FIGURE_5: [(&str, &str); 3] = [
-    ("door2-middle", "Door 2, middle"),
-    ("drawer2-closed", "Drawer 2, close"),
-    ("light_dark-own", "Light-Dark"),
-];
 
 /// What the report says of itself.
 #[derive(Debug, Clone, PartialEq)]
@@ -266,8 +260,9 @@ fn figure_5(results: &Results) -> Result<Vec<Block>, DrawError> {
         heading("Fig. 5: what the policies do"),
         paragraph("The action that is chosen at each mean and entropy of the belief."),
     ];
-    for (id, title) in FIGURE_5 {
-        let Some(heatmap) = results.heatmap(id) else {
+    for (task, goal, title) in PICTURES {
+        let id = heatmap_id(task, goal);
+        let Some(heatmap) = results.heatmap(&id) else {
             blocks.push(Block::Paragraph(format!("{title}: {NOT_RUN}.")));
             continue;
         };

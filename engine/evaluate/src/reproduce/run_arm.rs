@@ -43,7 +43,10 @@ pub fn run(
             trial(workshop, prepared, policy, index, offset_n)
         })
         .collect::<Result<_, _>>()?;
-    Ok(CellResult::Arm { trials })
+    Ok(CellResult::Arm {
+        policy_sha256: policy.sha256().to_owned(),
+        trials,
+    })
 }
 
 fn trial(

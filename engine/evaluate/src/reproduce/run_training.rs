@@ -8,65 +8,49 @@ use pubs_policy::{Existing, PolicyFile};
 use pubs_train::surrogate::Goals;
 use pubs_train::{Progress, Recipe};
 
-use super::cell::{CellResult, GoalName, Judged};
+use super::cell::{CellResult, GoalName, Judged, Method, Unit};
+use super::seeds::Training;
 use super::workshop::{Prepared, Workshop, WorkshopError};
 use crate::candidates::TrainingPlan;
 use crate::evaluation::{EvaluationOptions, GoalChoice, NetworkContestant, evaluate};
 use crate::policy_file::{contract_of, write};
-use crate::reads::EntropyInput;
 use crate::training::train_seed;
-use pubs_policy::Method;
 
-/// What a training cell is of; the fields of its unit.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TrainingCell {
-    /// Its goal.
-    pub goal: GoalName,
-    /// How it is trained.
-    pub method: Method,
-    /// What stands for the entropy.
-    pub entropy: EntropyInput,
-    /// Whether the shield is there in training already.
-    pub shielded: bool,
-    /// Of the training.
-    pub seed: u64,
-}
-
-/// Trains, writes the policy as `<id>.onnx` and judges it on two sets of trials.
+/// Trains with one seed, writes the policy as `<id>.onnx` and judges it on two sets of trials.
 ///
 /// # Errors
 /// In words, where something fails or `report` breaks.
 pub fn train(
     workshop: &Workshop<'_>,
     prepared: &Prepared,
-    id: &str,
-    cell: TrainingCell,
+    training: Training<'_>,
+    seed: u64,
     report: &dyn Fn(&Progress) -> ControlFlow<()>,
 ) -> Result<CellResult, WorkshopError> {
     let Prepared { task, model } = prepared;
-    let goal = goal_state(prepared, cell.goal)?;
+    let goal = goal_state(prepared, training.goal)?;
     let mut recipe = Recipe::usual(task);
     recipe.steps = workshop.steps.unwrap_or(recipe.steps);
-    recipe.shielded = cell.shielded;
+    recipe.shielded = training.shielded;
     let plan = TrainingPlan {
-        method: cell.method,
-        entropy: cell.entropy,
+        method: training.method,
+        entropy: training.entropy,
         recipe,
         goals: Goals::One(goal),
-        seeds: vec![cell.seed],
+        seeds: vec![seed],
         trials: workshop.trials,
         max_steps: workshop.max_steps,
-        shield: shield_of(prepared, cell.method),
+        shield: shield_of(prepared, training.method),
         threads: Some(1),
     };
-    let trained = train_seed(task, model, &plan, cell.seed, report).map_err(WorkshopError::of)?;
-    let name = format!("{id}.onnx");
+    let trained = train_seed(task, model, &plan, seed, report).map_err(WorkshopError::of)?;
+    let name = policy_file(&training.unit(seed));
     let path = workshop.policy(&name);
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(WorkshopError::of)?;
     }
     let store = |reward: f64| {
-        let contract = contract_of(task, &plan, cell.seed, reward, &trained);
+        let contract = contract_of(task, &plan, seed, reward, &trained);
         let (replace, runtime) = (Existing::Replace, workshop.runtime);
         write(&trained, &contract, &path, replace, runtime).map_err(WorkshopError::of)
     };
@@ -83,6 +67,11 @@ pub fn train(
         selection,
         fresh,
     })
+}
+
+/// Name of the policy file of a training.
+pub fn policy_file(unit: &Unit) -> String {
+    format!("{}.onnx", unit.id())
 }
 
 /// The goal as a state (rad, m or plain).

@@ -1,7 +1,7 @@
 //! Running cells: some at once, each stored as soon as it is done, none done twice.
 
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -10,19 +10,17 @@ use pubs_core::goal::fraction_label;
 use pubs_core::vector::VectorUnit;
 use pubs_policy::PolicyFile;
 
-use super::cell::{Cell, CellResult, GoalName, Unit};
+use super::cell::{Cell, CellResult, GoalName, Method, Unit};
 use super::date;
-use super::heatmap::Heatmap;
+use super::heatmap::{PICTURES, heatmap_id};
 use super::paper::{GOALS, OBJECTS};
 use super::results::{CELLS, HEATMAPS, Results};
 use super::run_arm;
 use super::run_heatmap::heatmap;
 use super::run_solver;
-use super::run_training::{TrainingCell, goal_state, train};
+use super::run_training::{goal_state, policy_file, train};
 use super::seeds::Training;
 use super::workshop::{Prepared, Workshop, WorkshopError, write_whole};
-use crate::reads::EntropyInput;
-use pubs_policy::Method;
 
 /// What happens to a unit; `index` is its place in the plan.
 #[derive(Debug, Clone, PartialEq)]
@@ -148,16 +146,38 @@ impl Job<'_> {
         let same = cell.unit == *self.unit
             && cell.task_hash == task_hash
             && cell.engine_version == env!("CARGO_PKG_VERSION");
+        let there = |policy: &str| workshop.policy(policy).is_file();
         let as_asked = match &cell.result {
-            CellResult::Training { fresh, steps, .. } => {
+            CellResult::Training {
+                fresh,
+                steps,
+                policy,
+                ..
+            } => {
                 let steps_asked = workshop.steps.map(|steps| steps as u64);
-                fresh.plain.trials == workshop.trials
+                there(policy)
+                    && fresh.plain.trials == workshop.trials
                     && steps_asked.is_none_or(|asked| *steps >= asked && *steps < 2 * asked)
             }
-            CellResult::Solver { evaluation, .. } => evaluation.trials == workshop.trials,
-            CellResult::Arm { .. } => true,
+            CellResult::Solver {
+                evaluation, policy, ..
+            } => there(policy) && evaluation.trials == workshop.trials,
+            // Another seed may have become the best since.
+            CellResult::Arm { policy_sha256, .. } => self
+                .arm_policy()
+                .is_ok_and(|policy| policy.sha256() == policy_sha256),
         };
         same && as_asked
+    }
+
+    /// The policy that trials on the arm take.
+    fn arm_policy(&self) -> Result<PolicyFile, WorkshopError> {
+        let results = Results::read(&self.workshop.results).map_err(WorkshopError::of)?;
+        let training = Training {
+            shielded: true,
+            ..Training::new(self.unit.task(), GoalName::Middle, Method::Pubs)
+        };
+        best_policy(self.workshop, &results, &training)
     }
 
     fn result(
@@ -167,21 +187,23 @@ impl Job<'_> {
     ) -> Result<CellResult, WorkshopError> {
         match self.unit {
             Unit::Training {
+                task,
                 goal,
                 method,
                 entropy,
+                belief_frequency,
                 shielded,
                 seed,
-                ..
             } => {
-                let cell = TrainingCell {
+                let training = Training {
+                    task,
                     goal: *goal,
                     method: *method,
                     entropy: *entropy,
+                    belief_frequency: *belief_frequency,
                     shielded: *shielded,
-                    seed: *seed,
                 };
-                train(self.workshop, prepared, &self.unit.id(), cell, &|now| {
+                train(self.workshop, prepared, training, *seed, &|now| {
                     progress(now.steps as f32 / now.total_steps.max(1) as f32);
                     self.flow()
                 })
@@ -203,12 +225,8 @@ impl Job<'_> {
                     self.flow()
                 },
             ),
-            Unit::Arm {
-                task,
-                trials,
-                drift,
-            } => {
-                let policy = best_policy(self.workshop, task, GoalName::Middle, true)?;
+            Unit::Arm { trials, drift, .. } => {
+                let policy = self.arm_policy()?;
                 run_arm::run(self.workshop, prepared, &policy, *trials, *drift)
             }
         }
@@ -225,15 +243,22 @@ impl Job<'_> {
 
 /// Copies the best policies under the shield of the four objects and three goals, as the paper
 /// deploys the best seed, to `folder`, as `<object>-<goal>.onnx`; those not trained yet are left
-/// out. The files written.
+/// out.
 ///
 /// # Errors
 /// Where a policy cannot be read or written.
-pub fn keep(workshop: &Workshop<'_>, folder: &Path) -> Result<Vec<PathBuf>, WorkshopError> {
-    let mut kept = Vec::new();
+pub fn keep(
+    workshop: &Workshop<'_>,
+    results: &Results,
+    folder: &Path,
+) -> Result<(), WorkshopError> {
     for task in OBJECTS {
         for goal in GOALS {
-            let Ok(policy) = best_policy(workshop, task, goal, true) else {
+            let training = Training {
+                shielded: true,
+                ..Training::new(task, goal, Method::Pubs)
+            };
+            let Ok(policy) = best_policy(workshop, results, &training) else {
                 continue;
             };
             let prepared = workshop.object(task, None)?;
@@ -242,64 +267,42 @@ pub fn keep(workshop: &Workshop<'_>, folder: &Path) -> Result<Vec<PathBuf>, Work
             let path = folder.join(format!("{task}-{label}.onnx"));
             let bytes = std::fs::read(policy.path()).map_err(WorkshopError::of)?;
             write_whole(&path, &bytes).map_err(WorkshopError::of)?;
-            kept.push(path);
         }
     }
-    Ok(kept)
+    Ok(())
 }
 
 /// Pictures of Fig. 5 from the best policies that are stored; those not trained yet are left out.
 ///
 /// # Errors
 /// Where a policy cannot be asked or a file written.
-pub fn heatmaps(workshop: &Workshop<'_>) -> Result<(), WorkshopError> {
-    for (task, goal) in HEATMAPS_OF {
-        let Ok(policy) = best_policy(workshop, task, goal, false) else {
+pub fn heatmaps(workshop: &Workshop<'_>, results: &Results) -> Result<(), WorkshopError> {
+    for (task, goal, _) in PICTURES {
+        let training = Training::new(task, goal, Method::Pubs);
+        let Ok(policy) = best_policy(workshop, results, &training) else {
             continue;
         };
         let prepared = workshop.object(task, None)?;
-        let drawn: Heatmap = heatmap(workshop, &prepared, &policy, goal)?;
+        let drawn = heatmap(workshop, &prepared, &policy, goal)?;
         store_json(workshop, HEATMAPS, &heatmap_id(task, goal), &drawn)?;
     }
     Ok(())
 }
 
-/// The policies of Fig. 5.
-pub const HEATMAPS_OF: [(&str, GoalName); 3] = [
-    ("door2", GoalName::Middle),
-    ("drawer2", GoalName::Closed),
-    ("light_dark", GoalName::Own),
-];
-
-/// Name of a heatmap's file, less its extension.
-pub fn heatmap_id(task: &str, goal: GoalName) -> String {
-    format!("{task}-{}", goal.name())
-}
-
-/// The policy of the best seed, trained without or with the shield.
+/// The policy of the best seed of a training.
 fn best_policy(
     workshop: &Workshop<'_>,
-    task: &str,
-    goal: GoalName,
-    shielded: bool,
+    results: &Results,
+    training: &Training<'_>,
 ) -> Result<PolicyFile, WorkshopError> {
-    let results = Results::read(&workshop.results).map_err(WorkshopError::of)?;
-    let training = Training {
-        task,
-        goal,
-        method: Method::Pubs,
-        entropy: EntropyInput::Belief,
-        belief_frequency: None,
-        shielded,
-    };
-    let seeds = training.seeds(&results).ok_or_else(|| {
+    let seeds = training.seeds(results).ok_or_else(|| {
         WorkshopError(format!(
-            "no policy of {task} for the goal {} is trained yet",
-            goal.name()
+            "no policy of {} for the goal {} is trained yet",
+            training.task,
+            training.goal.name()
         ))
     })?;
-    let unit = training.unit(seeds.best.seed);
-    let path: PathBuf = workshop.policy(&format!("{}.onnx", unit.id()));
+    let path = workshop.policy(&policy_file(&training.unit(seeds.best.seed)));
     PolicyFile::read(&path).map_err(WorkshopError::of)
 }
 

@@ -3,6 +3,7 @@
 use super::cell::{CellResult, EntropyInput, Figures, GoalName, Judged, Method, Unit};
 use super::paper::Estimate;
 use super::results::Results;
+use super::unit::explored_under_shield;
 
 /// All seeds of a training.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,7 +61,24 @@ pub fn is_light_dark(task: &str) -> bool {
     task.starts_with("light_dark")
 }
 
-impl Training<'_> {
+impl<'a> Training<'a> {
+    /// With the belief's entropy where there is a belief, and the object file's frequency.
+    pub fn new(task: &'a str, goal: GoalName, method: Method) -> Self {
+        let entropy = if method.has_belief() {
+            EntropyInput::Belief
+        } else {
+            EntropyInput::None
+        };
+        Self {
+            task,
+            goal,
+            method,
+            entropy,
+            belief_frequency: None,
+            shielded: explored_under_shield(task),
+        }
+    }
+
     /// The unit of one seed.
     pub fn unit(&self, seed: u64) -> Unit {
         Unit::Training {
@@ -117,7 +135,7 @@ impl Training<'_> {
         else {
             return false;
         };
-        let entropy = self.method != Method::Pubs || *entropy == self.entropy;
+        let entropy = !self.method.has_belief() || *entropy == self.entropy;
         let shielded = *shielded == self.shielded;
         let what = (task.as_str(), *goal, *method, *belief_frequency);
         entropy && shielded && what == (self.task, self.goal, self.method, self.belief_frequency)

@@ -7,7 +7,6 @@ use super::matrix::{Column, Entry, Format, Matrix, Ours, Row};
 use super::paper::{self, Estimate};
 use super::results::Results;
 use super::seeds::{Seeds, Training, is_light_dark, reward};
-use super::unit::explored_under_shield;
 
 /// What PuBS under the shield is called.
 pub const SHIELDED: &str = "PuBS with shield";
@@ -17,7 +16,7 @@ pub const SOLVERS: [SolverMethod; 2] = [SolverMethod::Sarsop, SolverMethod::Qmdp
 
 /// Table I at one goal.
 pub fn table_i(results: &Results, goal: GoalName) -> Matrix {
-    let of = |object, method| training(object, goal, method).seeds(results);
+    let of = |object, method| Training::new(object, goal, method).seeds(results);
     let mut rows: Vec<_> = paper::METHODS
         .into_iter()
         .map(|method| {
@@ -38,7 +37,7 @@ pub fn table_i(results: &Results, goal: GoalName) -> Matrix {
 
 /// Table II, or the same of other abstract objects: reward and success of each task.
 pub fn table_ii(results: &Results, tasks: &[&str]) -> Matrix {
-    let seeds = |task| training(task, GoalName::Own, Method::Pubs).seeds(results);
+    let seeds = |task| Training::new(task, GoalName::Own, Method::Pubs).seeds(results);
     let pubs = tasks.iter().flat_map(|&task| {
         let seeds = seeds(task);
         let paper = paper::table_ii(task, None);
@@ -87,7 +86,7 @@ pub fn table_iii(results: &Results) -> Matrix {
             let goal = middle_or_own(task);
             let seeds = Training {
                 entropy,
-                ..training(task, goal, Method::Pubs)
+                ..Training::new(task, goal, Method::Pubs)
             }
             .seeds(results);
             let ours = plain_reward(task, seeds.as_ref());
@@ -163,23 +162,11 @@ pub fn light_dark_variants(results: &Results) -> Vec<&str> {
     variants
 }
 
-/// With the belief's entropy and the object file's frequency.
-pub(super) fn training(task: &str, goal: GoalName, method: Method) -> Training<'_> {
-    Training {
-        task,
-        goal,
-        method,
-        entropy: EntropyInput::Belief,
-        belief_frequency: None,
-        shielded: explored_under_shield(task),
-    }
-}
-
 /// PuBS trained and judged under the shield; where no action is high-force there is none.
 pub(super) fn under_shield(task: &str, goal: GoalName) -> Training<'_> {
     Training {
         shielded: !is_light_dark(task),
-        ..training(task, goal, Method::Pubs)
+        ..Training::new(task, goal, Method::Pubs)
     }
 }
 

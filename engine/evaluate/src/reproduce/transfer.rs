@@ -57,7 +57,7 @@ pub fn transfer(results: &Results, object: &str, drift: bool) -> Option<Transfer
         drift,
     };
     match &results.cell(&unit)?.result {
-        CellResult::Arm { trials } if !trials.is_empty() => Some(summed(trials, object)),
+        CellResult::Arm { trials, .. } if !trials.is_empty() => Some(summed(trials, object)),
         _ => None,
     }
 }

@@ -4,7 +4,7 @@ use super::cell::{GoalName, Judged};
 use super::paper;
 use super::results::Results;
 use super::seeds::Training;
-use super::tables::{SHIELDED, training, under_shield};
+use super::tables::{SHIELDED, under_shield};
 
 /// The violations of one method at one goal.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,7 +60,7 @@ pub fn violations(results: &Results, goal: GoalName) -> Vec<Violations> {
         .into_iter()
         .map(|method| Violations {
             label: method.to_string(),
-            objects: counts(results, |object| training(object, goal, method), plain),
+            objects: counts(results, |object| Training::new(object, goal, method), plain),
         })
         .collect();
     let beside = Violations {

@@ -53,17 +53,14 @@ impl Sarsop<'_> {
         reached
     }
 
-    /// Keeps the vectors that are best at a reached node, and those that its best plan goes on
-    /// with, so that following the policy is worth what its vectors say.
+    /// Keeps the vectors that are best at a reached node. What their plans go on with may be pruned:
+    /// the policy takes its whole plan from all that were made.
     fn prune_vectors(&mut self, reached: &[bool]) {
         let mut keep = Vec::new();
         for (index, _) in reached.iter().enumerate().filter(|entry| *entry.1) {
             self.tree.refresh_node(index, &self.lower);
             let node = &self.tree.nodes[index];
             keep.push(node.alpha.id);
-            if let Some(outcomes) = &node.branches[node.alpha.action].outcomes {
-                keep.extend(outcomes.children.iter().map(|child| child.alpha.id));
-            }
         }
         keep.sort_unstable();
         keep.dedup();

@@ -15,12 +15,15 @@ use crate::object::Ready;
 ///
 /// # Errors
 /// Where the file cannot be read, or was not solved from an object.
-pub(super) fn origin_of(path: &Path) -> Result<Option<GridOrigin>, Failure> {
+pub(super) fn solved_from(path: &Path) -> Result<Option<GridOrigin>, Failure> {
     if !has_end(path, "json") {
         return Ok(None);
     }
-    let policy = read(path)?;
-    GridOrigin::of(policy.origin()).map(Some).ok_or_else(|| {
+    origin(path, &read(path)?).map(Some)
+}
+
+fn origin(path: &Path, policy: &AlphaPolicy) -> Result<GridOrigin, Failure> {
+    GridOrigin::of(policy.origin()).ok_or_else(|| {
         Failure::invalid(format!(
             "{} was solved from the problem `{}`, not from an object: add --object {}.pomdp",
             path.display(),
@@ -42,7 +45,7 @@ pub(super) fn read(path: &Path) -> Result<AlphaPolicy, Failure> {
 pub(super) fn judge(arguments: &Arguments, path: &Path, ready: &Ready) -> Result<Report, Failure> {
     let policy = read(path)?;
     let (task, model) = (&ready.task, &ready.model);
-    let origin = origin_of(path)?.ok_or_else(|| Failure::invalid("not a policy of an object"))?;
+    let origin = origin(path, &policy)?;
     if let Some(text) = &arguments.goal
         && parse_goal(text, &task.joint)? != origin.goal
     {

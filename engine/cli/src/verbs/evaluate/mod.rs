@@ -9,12 +9,12 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use pubs_core::goal::GoalError;
 use pubs_core::{Goal, Joint};
+use pubs_evaluate::grid::GridOrigin;
 use pubs_evaluate::trial::goal_label;
 use pubs_evaluate::{Evaluation, EvaluationOptions, GoalChoice, NetworkContestant, evaluate};
 use pubs_policy::{FeatureName, PolicyFile, Runtime};
 use serde::Serialize;
 
-use self::alpha::origin_of;
 use crate::failure::Failure;
 use crate::object::Ready;
 use crate::options::{FrequencyOptions, LayerOptions, RuntimeOptions};
@@ -100,12 +100,13 @@ pub fn run(arguments: &Arguments) -> Ended {
         return problem::run(arguments, file);
     }
     let registry = built_in::registry(&arguments.layers.plugin_dirs);
-    let object_path = object_path(arguments)?;
-    let solved = origin_of(&arguments.policies[0])?;
+    // Of the first policy: all of them are of one object.
+    let solved = alpha::solved_from(&arguments.policies[0])?;
+    let object_path = object_path(arguments, solved.as_ref())?;
     let frequency = arguments
         .frequency
         .belief_frequency
-        .or_else(|| solved.and_then(|origin| origin.belief_frequency));
+        .or(solved.and_then(|origin| origin.belief_frequency));
     let ready = object::ready(
         &object_path,
         &arguments.layers.overrides(),
@@ -219,7 +220,7 @@ pub fn parse_goal(text: &str, joint: &Joint) -> Result<f64, Failure> {
 }
 
 /// The object that the user names, or else that of the policy.
-fn object_path(arguments: &Arguments) -> Result<PathBuf, Failure> {
+fn object_path(arguments: &Arguments, solved: Option<&GridOrigin>) -> Result<PathBuf, Failure> {
     if let Some(object) = &arguments.object {
         return Ok(object.clone());
     }
@@ -229,8 +230,8 @@ fn object_path(arguments: &Arguments) -> Result<PathBuf, Failure> {
         ));
     }
     let policy = &arguments.policies[0];
-    let name = match origin_of(policy)? {
-        Some(origin) => origin.object,
+    let name = match solved {
+        Some(origin) => origin.object.clone(),
         None => {
             let file = PolicyFile::read(policy)
                 .map_err(|error| Failure::incompatible(error.to_string()))?;

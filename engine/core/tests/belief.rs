@@ -138,6 +138,42 @@ fn story() -> Vec<(f64, f32, bool)> {
     story
 }
 
+/// −Σ p ln p over places, p being the share of all weights at that place; states ascend.
+fn entropy_of_places(states: &[f64], weights: &[f64]) -> f64 {
+    let total: f64 = weights.iter().sum();
+    let mut entropy = 0.0;
+    let mut from = 0;
+    while from < states.len() {
+        let here = states[from..]
+            .iter()
+            .take_while(|state| **state - states[from] < 1e-9)
+            .count();
+        let share = weights[from..from + here].iter().sum::<f64>() / total;
+        if share > 0.0 {
+            entropy -= share * share.ln();
+        }
+        from += here;
+    }
+    entropy
+}
+
+#[test]
+fn a_belief_that_is_sure_of_a_limit_has_no_entropy() {
+    let task = common::door(300);
+    let mut filter = Filter::new(&task, Arc::new(Hump::new(true, true)));
+    // With W the share of the 300 particles at the limit: (−W ln W + (1 − W) ln 300) / ln 300, for
+    // W = 76/300, 285/300 and 1.
+    for (displacement, expected) in [(0.5, 0.808), (1.4, 0.059), (0.2, 0.0), (-0.3, 0.0)] {
+        filter.follow(displacement);
+        let entropy = filter.summary().entropy;
+        assert!(
+            (entropy - expected).abs() < 0.005,
+            "after {displacement} rad: entropy {entropy}, expected about {expected}"
+        );
+    }
+    assert!(filter.summary().entropy < 1e-6, "{:?}", filter.summary());
+}
+
 #[test]
 fn posterior_agrees_with_a_brute_force_grid() {
     const PARTICLES: usize = 300;
@@ -163,14 +199,7 @@ fn posterior_agrees_with_a_brute_force_grid() {
                 let total: f64 = weights.iter().sum();
                 let mean: f64 =
                     weights.iter().zip(&states).map(|(w, s)| w * s).sum::<f64>() / total;
-                let plogp = |w: &f64| {
-                    if *w > 0.0 {
-                        -(w / total) * (w / total).ln()
-                    } else {
-                        0.0
-                    }
-                };
-                let entropy = weights.iter().map(plogp).sum::<f64>() / (PARTICLES as f64).ln();
+                let entropy = entropy_of_places(&states, &weights) / (PARTICLES as f64).ln();
 
                 let found = filter.summary();
                 let case = format!("{unit}, grid {grid}, gaussian {gaussian}, step {step}");

@@ -80,6 +80,7 @@ impl FilterLoop {
             summary: self.filter.summary(),
             readings,
             allowed: bits,
+            displacement: sample.displacement,
             speed_m_s: sample.speed_m_s,
             valid: sample.valid,
         })

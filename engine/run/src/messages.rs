@@ -35,7 +35,9 @@ pub struct BeliefMessage {
     pub readings: [f32; ARM_CHANNELS.len()],
     /// Bit i: the shield allows action i.
     pub allowed: u64,
-    /// Speed the arm is commanded, m/s, from the sample that was used.
+    /// Joint displacement since the grasp (rad or m), from the sample that was used.
+    pub displacement: f64,
+    /// Speed the arm is commanded, m/s, from the same.
     pub speed_m_s: f64,
     /// Whether there is a belief at all.
     pub valid: bool,
@@ -50,6 +52,7 @@ impl Default for BeliefMessage {
             },
             readings: [0.0; ARM_CHANNELS.len()],
             allowed: u64::MAX,
+            displacement: 0.0,
             speed_m_s: 0.0,
             valid: false,
         }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use pubs_core::Task;
 use pubs_core::input::Seen;
+use pubs_core::repetition::Repetition;
 use pubs_core::reward::violates_safety;
 use pubs_policy::{RunError as PolicyFault, choose};
 use rand::{RngExt, SeedableRng};
@@ -44,6 +45,9 @@ pub struct PolicyLoop {
     actions_used: Vec<u32>,
     reports: Vec<GoalReport>,
     last: BeliefMessage,
+    repetition: Repetition,
+    /// Displacement of the handle when the latest action was chosen (rad or m).
+    chosen_at: f64,
     action: usize,
 }
 
@@ -74,6 +78,8 @@ impl PolicyLoop {
             steps: 0,
             reports: Vec::new(),
             last: BeliefMessage::default(),
+            repetition: Repetition::default(),
+            chosen_at: 0.0,
         }
     }
 
@@ -121,8 +127,15 @@ impl PolicyLoop {
             random_entropy: self.rng.random(),
         };
         let logits = self.policies[plan.policy].logits(&seen)?;
-        let allowed = self.last.allowed;
-        let index = choose(logits, self.task.stop, |index| allowed >> index & 1 == 1);
+        let displacement = self.last.displacement - self.chosen_at;
+        self.repetition
+            .end(&self.task.joint, displacement, self.last.summary);
+        let (shield, repetition) = (self.last.allowed, self.repetition);
+        let index = choose(logits, self.task.stop, |index| {
+            shield >> index & 1 == 1 && repetition.allows(index)
+        });
+        self.repetition.begin(index, self.last.summary);
+        self.chosen_at = self.last.displacement;
         self.steps += 1;
         self.actions_used[index] += 1;
         let action = &self.task.actions[index];

@@ -100,7 +100,7 @@ fn main() {
     for layers in [1, 2] {
         let recipe = Recipe {
             steps: 20_480,
-            ..Recipe::standard().recurrent()
+            ..Recipe::baseline().recurrent()
         };
         let name = format!("lstm{layers}");
         let median = print_times(&name, recipe.steps, runs, || {

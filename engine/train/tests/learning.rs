@@ -27,7 +27,7 @@ fn settings(recipe: Recipe, seed: u64) -> Settings {
 fn short(steps: usize) -> Recipe {
     Recipe {
         steps,
-        ..Recipe::standard()
+        ..Recipe::baseline()
     }
 }
 
@@ -261,6 +261,6 @@ fn recipes_are_found_by_name() {
     let error = "fast".parse::<Recipe>().unwrap_err().to_string();
     assert_eq!(
         error,
-        "there is no recipe \"fast\"; there are \"standard\", \"benchmark\" and \"paper\""
+        "there is no recipe \"fast\"; there are \"standard\", \"benchmark\", \"baseline\" and \"paper\""
     );
 }

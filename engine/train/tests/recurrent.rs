@@ -20,7 +20,7 @@ fn settings(steps: usize, seed: u64) -> Settings {
     Settings {
         recipe: Recipe {
             steps,
-            ..Recipe::standard().recurrent()
+            ..Recipe::baseline().recurrent()
         },
         layers: vec![32],
         scaling: InputScaling::identity(FEATURES),

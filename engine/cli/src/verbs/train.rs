@@ -117,7 +117,7 @@ pub fn run(arguments: &Arguments) -> Ended {
         )));
     }
     let mut recipe = match &arguments.recipe {
-        None => Recipe::usual(&ready.task),
+        None => Recipe::usual(&ready.task, arguments.method.has_belief()),
         Some(name) => name
             .parse()
             .map_err(|error: pubs_train::UnknownRecipe| Failure::invalid(error.to_string()))?,

@@ -424,11 +424,30 @@ impl Filter {
     /// Normalises and summarises; ln of what the weights summed to.
     fn normalise(&mut self) -> f64 {
         let sums = weights::normalise(self.unit, &mut self.log_weights, self.cloud.states());
+        let entropy = sums.entropy - self.entropy_of_gatherings();
         self.summary = Summary {
             mean: sums.mean,
-            entropy: (sums.entropy * self.entropy_scale).min(1.0),
+            entropy: (entropy * self.entropy_scale).clamp(0.0, 1.0),
         };
         sums.log_total
+    }
+
+    /// What eq. (10) counts too much where a limit has gathered particles: they are at one place and
+    /// always will be, so they are one hypothesis. Counted apart they would keep the entropy high
+    /// in a belief that is sure of the limit, nats.
+    fn entropy_of_gatherings(&self) -> f64 {
+        let count = self.log_weights.len();
+        let [(_, below), (_, above)] = self.cloud.gathered();
+        let (lower, upper) = (below, above.min(count - below));
+        let gatherings = [
+            &self.log_weights[..lower],
+            &self.log_weights[count - upper..],
+        ];
+        gatherings
+            .into_iter()
+            .filter(|gathering| gathering.len() > 1)
+            .map(|gathering| f64::from(weights::entropy_of_gathering(self.unit, gathering)))
+            .sum()
     }
 
     fn observed(&self, observation: &[f32]) -> Observed {

@@ -4,7 +4,8 @@
 //! *predict* moves every particle by the measured displacement, eq. (6) (`cloud`);
 //! *weigh* multiplies by the likelihood of the observation, eq. (7) (`likelihood`);
 //! *normalise* makes the weights sum to one, eq. (8) (`weights`);
-//! *summarise* takes mean and entropy, eq. (9) and (10).
+//! *summarise* takes mean and entropy, eq. (9) and (10), the latter over places: particles that a
+//! limit has gathered count as one.
 //! Weights are kept as logarithms. `filter` says what happens when nothing fits any more.
 
 mod cloud;
@@ -36,6 +37,7 @@ pub struct BeliefSettings {
 pub struct Summary {
     /// μ of eq. (9) (rad, m or plain).
     pub mean: f64,
-    /// H of eq. (10) divided by ln N: 1 is "know nothing".
+    /// H of eq. (10) divided by ln N, particles gathered at a limit counted as one: 1 is "know
+    /// nothing", 0 certainty.
     pub entropy: f64,
 }

@@ -86,6 +86,33 @@ dispatched! {
 }
 
 #[inline(always)]
+fn entropy_of_gathering_body<A: Arithmetic>(log_weights: &[f32]) -> f32 {
+    let mut sums = [[0.0; LANES]; 2];
+    let mut add = |logs: &Lanes| {
+        for lane in 0..LANES {
+            let weight = exp::<A>(logs[lane]);
+            sums[0][lane] += weight;
+            sums[1][lane] = A::multiply_add(weight, logs[lane], sums[1][lane]);
+        }
+    };
+    let (groups, rest) = log_weights.as_chunks::<LANES>();
+    groups.iter().for_each(&mut add);
+    add(&lanes_of(rest, LEAST_LOG_WEIGHT));
+    let [mass, logs] = sums.map(|lanes| lanes.iter().sum::<f32>());
+    if mass > 0.0 {
+        mass * mass.ln() - logs
+    } else {
+        0.0
+    }
+}
+
+dispatched! {
+    /// How much of −Σ w_i ln w_i goes when these particles count as one: W ln W − Σ w_i ln w_i, nats,
+    /// with W = Σ w_i. The log weights are those of [`normalise`].
+    pub fn entropy_of_gathering(log_weights: &[f32]) -> f32 = entropy_of_gathering_body
+}
+
+#[inline(always)]
 fn flattened_body<A: Arithmetic>(
     log_weights: &[f32],
     states: &[f32],
@@ -165,6 +192,23 @@ mod tests {
                 assert!(
                     (sum - 1.0).abs() < 2e-6,
                     "{unit}, N = {count}: weights sum to {sum}"
+                );
+
+                let part = count / 2;
+                let together: f64 = weights[..part].iter().map(|w| w / total).sum();
+                let apart: f64 = weights[..part]
+                    .iter()
+                    .map(|w| w / total * (w / total).ln())
+                    .sum();
+                let gathered = if part == 0 {
+                    0.0
+                } else {
+                    together * together.ln() - apart
+                };
+                let gone = f64::from(entropy_of_gathering(unit, &normalised[..part]));
+                assert!(
+                    (gone - gathered).abs() < 1e-5,
+                    "{unit}, N = {count}: {gone} goes, expected {gathered}"
                 );
 
                 let flat: f64 = weights.iter().map(|w| w.powf(0.3)).sum();

@@ -138,6 +138,8 @@ impl Task {
                 "rate_hz": self.belief.rate_hz,
                 "tempering": self.belief.tempering,
                 "reading_spacing": self.belief.reading_spacing,
+                // What the entropy is taken over: a policy learnt what its values mean.
+                "entropy_of": "places",
             },
             "policy": { "rate_hz": self.policy.rate_hz },
             "reward": {

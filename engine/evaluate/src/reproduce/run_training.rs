@@ -29,7 +29,7 @@ pub fn train(
 ) -> Result<CellResult, WorkshopError> {
     let Prepared { task, model } = prepared;
     let goal = goal_state(prepared, training.goal)?;
-    let mut recipe = Recipe::usual(task);
+    let mut recipe = Recipe::usual(task, training.method.has_belief());
     recipe.steps = workshop.steps.unwrap_or(recipe.steps);
     recipe.shielded = training.shielded;
     let plan = TrainingPlan {

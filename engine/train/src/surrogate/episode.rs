@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use pubs_core::belief::{BeliefError, Filter, Model, Summary};
 use pubs_core::input::Seen;
+use pubs_core::repetition::Repetition;
 use pubs_core::reward::violates_safety;
 use pubs_core::shield::{self, Shield};
 use pubs_core::{Action, Motion, Task};
@@ -49,6 +50,7 @@ pub struct Episode {
     goal: f64,
     steps: u32,
     unsteady: Unsteady,
+    repetition: Repetition,
     readings: Vec<f32>,
     has_read: bool,
     random_entropy: f32,
@@ -64,6 +66,7 @@ impl Episode {
             goal: task.joint.lower,
             steps: 0,
             unsteady: Unsteady::default(),
+            repetition: Repetition::default(),
             has_read: false,
             random_entropy: 0.0,
             senses,
@@ -80,6 +83,7 @@ impl Episode {
         self.goal = goal;
         self.steps = 0;
         self.unsteady = Unsteady::default();
+        self.repetition = Repetition::default();
         self.readings.fill(0.0);
         self.has_read = false;
         self.draw_entropy(rng);
@@ -127,11 +131,16 @@ impl Episode {
         seen.fill(&self.senses.inputs, features);
     }
 
-    /// Which actions a shield allows; without a belief, all.
+    /// Which actions a shield allows, less those that have just changed nothing; without a belief,
+    /// all.
     pub fn allowed(&self, shield: Option<&Shield>, allowed: &mut [bool]) {
-        match &self.filter {
-            Some(filter) => shield::allowed(shield, &self.task, filter, allowed),
-            None => allowed.fill(true),
+        let Some(filter) = &self.filter else {
+            allowed.fill(true);
+            return;
+        };
+        shield::allowed(shield, &self.task, filter, allowed);
+        for (action, allowed) in allowed.iter_mut().enumerate() {
+            *allowed &= self.repetition.allows(action);
         }
     }
 
@@ -170,6 +179,8 @@ impl Episode {
             });
         }
         self.unsteady.change_to(&task, index);
+        self.begin_repetition(index);
+        let before = self.simulator.state();
         for _ in 0..observations {
             let part = displacement / f64::from(observations);
             match self.follow(index, action, part, rng) {
@@ -184,6 +195,7 @@ impl Episode {
                 Err(error) => return Err(error),
             }
         }
+        self.end_repetition(before);
         Ok(Step {
             reward: reward.time,
             stopped: None,
@@ -212,6 +224,20 @@ impl Episode {
             Some(filter) => filter.follow(made),
         }
         Ok(())
+    }
+
+    fn begin_repetition(&mut self, index: usize) {
+        if let Some(filter) = &self.filter {
+            self.repetition.begin(index, filter.summary());
+        }
+    }
+
+    fn end_repetition(&mut self, before: f64) {
+        if let Some(filter) = &self.filter {
+            let displacement = self.simulator.state() - before;
+            self.repetition
+                .end(&self.task.joint, displacement, filter.summary());
+        }
     }
 
     /// Draws only where somebody reads it, so that the other streams stay as they are.

@@ -1,0 +1,133 @@
+//! An action that changed nothing is not taken again before something has changed.
+//!
+//! A policy that reads only the belief summary chooses the same action as long as the summary
+//! stays: where the handle is held and the belief has nothing left to learn from it, at a limit
+//! most of all, it would press for ever. Training does not show it, since there actions are drawn.
+//! So the action is masked until another one moves the handle or changes the belief, in training,
+//! in trials and on the arm alike.
+
+use crate::belief::Summary;
+use crate::joint::Joint;
+
+/// A mean that moved by less than this share of the range has stayed.
+const MEAN_SHARE: f64 = 1e-3;
+
+/// An entropy that moved by less has stayed.
+const ENTROPY: f64 = 2e-3;
+
+/// What the latest actions did to handle and belief.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Repetition {
+    taken: Option<Taken>,
+    /// Bit i: action i changed nothing, and nothing has changed since.
+    futile: u64,
+}
+
+/// An action and what was believed when it was chosen.
+#[derive(Debug, Clone, Copy)]
+struct Taken {
+    action: usize,
+    summary: Summary,
+}
+
+impl Repetition {
+    /// The action of this index begins, chosen with this summary.
+    pub fn begin(&mut self, action: usize, summary: Summary) {
+        self.taken = Some(Taken { action, summary });
+    }
+
+    /// The latest action is over: it displaced the handle by so much (rad, m or plain).
+    pub fn end(&mut self, joint: &Joint, displacement: f64, summary: Summary) {
+        let Some(taken) = self.taken.take() else {
+            return;
+        };
+        let threshold = joint
+            .geometry()
+            .map_or(0.0, |geometry| geometry.motion_threshold_m)
+            * joint.per_metre();
+        let held = displacement.abs() <= threshold;
+        let learnt = (summary.mean - taken.summary.mean).abs() >= MEAN_SHARE * joint.range()
+            || (summary.entropy - taken.summary.entropy).abs() >= ENTROPY;
+        self.futile = if held && !learnt {
+            self.futile | 1 << taken.action
+        } else {
+            0
+        };
+    }
+
+    /// Whether this rule lets the action be chosen.
+    pub fn allows(&self, action: usize) -> bool {
+        self.futile >> action & 1 == 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::joint::{Geometry, JointKind};
+
+    /// A hinge of 0.5 m over 2 rad, where 0.5 mm at the handle are 0.001 rad.
+    fn hinge() -> Joint {
+        Joint {
+            kind: JointKind::Revolute {
+                radius_m: 0.5,
+                geometry: Geometry {
+                    opening_direction: Vector3::x(),
+                    up_direction: Vector3::z(),
+                    motion_threshold_m: 0.0005,
+                },
+                hinge_direction: Vector3::y(),
+            },
+            lower: 0.0,
+            upper: 2.0,
+            start: (0.0, 2.0),
+        }
+    }
+
+    #[test]
+    fn only_an_action_that_moved_nothing_and_taught_nothing_is_masked() {
+        let before = (1.0, 0.4);
+        let cases = [
+            (0.0, before, false, "held, and the belief as before"),
+            (-0.0009, before, false, "held within the threshold"),
+            (0.0011, before, true, "the handle moved"),
+            (0.0, (1.0021, 0.4), true, "the mean moved by 0.002 rad"),
+            (0.0, (1.0019, 0.4), false, "the mean moved by less"),
+            (0.0, (1.0, 0.397), true, "the entropy fell"),
+        ];
+        for (displacement, (mean, entropy), allowed, name) in cases {
+            let mut repetition = Repetition::default();
+            let summary = Summary {
+                mean: before.0,
+                entropy: before.1,
+            };
+            repetition.begin(2, summary);
+            repetition.end(&hinge(), displacement, Summary { mean, entropy });
+            assert_eq!(repetition.allows(2), allowed, "{name}");
+            assert!(repetition.allows(1), "{name}: another action is masked");
+        }
+    }
+
+    #[test]
+    fn the_mask_lasts_until_something_changes() {
+        let summary = Summary {
+            mean: 0.0,
+            entropy: 0.35,
+        };
+        let mut repetition = Repetition::default();
+        let steps = [
+            (2, 0.0, [true, true, false, true]),
+            (3, 0.0, [true, true, false, false]),
+            (1, 0.5, [true, true, true, true]),
+            (2, 0.0, [true, true, false, true]),
+        ];
+        for (step, (action, displacement, expected)) in steps.into_iter().enumerate() {
+            repetition.begin(action, summary);
+            repetition.end(&hinge(), displacement, summary);
+            let allowed = [0, 1, 2, 3].map(|action| repetition.allows(action));
+            assert_eq!(allowed, expected, "step {step}, action {action}");
+        }
+    }
+}

@@ -107,9 +107,12 @@ mod tests {
         found
     }
 
+    /// Texts at times, ms.
+    type Timed<'a> = &'a [(u64, &'a str)];
+
     #[test]
     fn requests_are_whole_at_their_end_or_after_a_pause() {
-        let cases: [(&[(u64, &str)], &[(u64, &str)]); 9] = [
+        let cases: [(Timed, Timed); 9] = [
             (&[(0, "1;1;DSTATE\r")], &[(0, "1;1;DSTATE")]),
             (&[(0, "1;1;DSTATE\r\n")], &[(0, "1;1;DSTATE")]),
             (&[(0, "1;1;DSTATE\0")], &[(0, "1;1;DSTATE")]),

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Deserialize;
 use toml::Value;
 
-use crate::faults::Fault;
+use crate::fault::Fault;
 
 /// What the time of an event counts from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]

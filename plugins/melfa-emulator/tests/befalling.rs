@@ -127,6 +127,14 @@ fn handle_that_slips_is_felt_no_more_until_it_is_held_again() {
     bench.send(&to_pose(target)).unwrap();
     assert_eq!(bench.r3("1;1;OUT=900;0001"), "QoK");
     assert_eq!(bench.state()["object"]["held"], true);
+    bench.control(r#"{"do":"slip"}"#);
+    bench.go(target, direction, 0.05, 200);
+    bench.control(r#"{"do":"grasp"}"#);
+    assert_eq!(
+        bench.state()["object"]["held"],
+        false,
+        "fingers that miss hold nothing"
+    );
 }
 
 #[test]

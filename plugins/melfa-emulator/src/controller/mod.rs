@@ -26,6 +26,9 @@ const REMEMBERED_ALARMS: usize = 32;
 /// Output that closes the hand.
 const HAND_OUTPUT: u16 = 900;
 
+/// Fingers that close farther than this from the handle miss it, m.
+const FINGERS_M: f64 = 0.02;
+
 /// Slower than this a tool does not close its fingers by itself, m/s.
 const GRASPING_SPEED_M_S: f64 = 0.0005;
 
@@ -170,9 +173,10 @@ impl Controller {
         }
     }
 
-    /// Closes or opens the fingers.
-    pub fn set_grasp(&mut self, held: bool) {
-        self.outputs.set_word(HAND_OUTPUT, 1, u16::from(held));
+    /// Closes or opens the fingers; away from the handle they close on nothing.
+    pub fn set_grasp(&mut self, closed: bool) {
+        self.outputs.set_word(HAND_OUTPUT, 1, u16::from(closed));
+        let held = closed && self.scene.handle_distance_m() < FINGERS_M;
         let disturbance = self.scene.disturbance();
         if held && disturbance.released {
             disturbance.jammed = false;

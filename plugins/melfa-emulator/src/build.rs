@@ -68,7 +68,7 @@ pub fn build(options: &Options) -> Result<(Machine, Option<String>), StartError>
         Some(path) => Scenario::load(path)?,
         None => Scenario::default(),
     };
-    Ok((Machine::new(controller, scenario), warning))
+    Ok((Machine::new(controller, scenario, options.clone()), warning))
 }
 
 fn tool_of(numbers: &[f64; 6]) -> Isometry3<f64> {

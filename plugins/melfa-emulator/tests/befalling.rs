@@ -292,6 +292,38 @@ fn arm_that_hears_nothing_more_stops_where_it_was_sent() {
 }
 
 #[test]
+fn arm_and_object_can_be_put_to_another_start_between_runs() {
+    let mut bench = drawer();
+    let from = bench.handshake();
+    let direction = bench.opening();
+    bench.go(from, direction, 0.05, 100);
+    let refused = bench.machine.command(r#"{"do":"place","start":0.8}"#);
+    assert_eq!(refused["ok"], false, "placed while the program runs");
+    bench.r3("1;1;STOP");
+    bench.cycles(50);
+    bench.control(r#"{"do":"place","start":0.8,"seed":3}"#);
+    let report = bench.state();
+    let found = number(&report, "/object/joint_state");
+    assert!(
+        (found - 0.8 * 0.25).abs() < 0.002,
+        "the drawer is at {found} m"
+    );
+    assert_eq!(report["at_rest"], true);
+    assert_eq!(report["servo"], "on", "the controller's state stays");
+    bench.start();
+    let from = bench.handshake();
+    bench.go(from, -direction, 0.05, 100);
+    let moved = found - number(&bench.state(), "/object/joint_state");
+    assert!((0.005..0.02).contains(&moved), "it moved by {moved} m");
+    for line in [
+        r#"{"do":"place","start":2}"#,
+        r#"{"do":"place","begin":0.1}"#,
+    ] {
+        assert_eq!(bench.machine.command(line)["ok"], false, "{line}");
+    }
+}
+
+#[test]
 fn monitor_streams_what_was_asked_for() {
     let words = [DRAWER, &["--sensor-id", "202"]].concat();
     let mut bench = Bench::new(&words);

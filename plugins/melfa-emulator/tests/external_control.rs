@@ -187,6 +187,22 @@ fn arm_goes_to_absolute_targets_with_the_filters_lag_and_holds_them() {
 }
 
 #[test]
+fn longer_cycle_moves_as_far() {
+    let words = [DRAWER, &["--cycle-ms", "7.11"]].concat();
+    let mut bench = Bench::ready(&words, "Mxt 1,0,35");
+    let from = bench.handshake();
+    let direction = bench.opening();
+    let target = bench.go(from, direction, 0.05, 100);
+    let lag = (target.position_m() - bench.tool_m()).norm();
+    assert!((lag - 0.05 * 0.0316).abs() < 5e-5, "{lag} m behind");
+    bench.cycles(100);
+    let left = (target.position_m() - bench.tool_m()).norm();
+    assert!(left < 1e-7, "{left} m from the last target");
+    let speed = bench.machine.controller.measure.peaks.tool_speed_m_s;
+    assert!((speed - 0.05).abs() < 1e-4, "{speed} m/s");
+}
+
+#[test]
 fn joint_targets_move_joints() {
     let mut bench = drawer("Mxt 1,1,10");
     let reply = bench.send(&null()).unwrap();

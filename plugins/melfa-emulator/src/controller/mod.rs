@@ -184,6 +184,18 @@ impl Controller {
         disturbance.released = !held;
     }
 
+    /// Takes arm and object from another controller, as they are there at the beginning; its own
+    /// state stays.
+    pub fn put_back(&mut self, fresh: Self) {
+        self.settings.grasp = fresh.settings.grasp;
+        self.motion = fresh.motion;
+        self.scene = fresh.scene;
+        self.measure = fresh.measure;
+        self.measure.last_motion_s = self.time_s;
+        let hand = fresh.outputs.word(HAND_OUTPUT);
+        self.outputs.set_word(HAND_OUTPUT, 1, hand);
+    }
+
     /// One control cycle: program, joints, object.
     pub fn cycle(&mut self) {
         self.cycles += 1;

@@ -83,7 +83,8 @@ fn warning(world: &World, mount: &Mount, tool: &Isometry3<f64>) -> Option<String
     match mount::reach(world, mount, tool, USUAL_SPEED_M_S) {
         Ok(reach) if reach.speed_share < 1.0 => None,
         Ok(reach) => Some(format!(
-            "at {USUAL_SPEED_M_S} m/s a joint would need {:.1} times its greatest speed somewhere in the object's range; give another --mount",
+            "at {USUAL_SPEED_M_S} m/s a joint would need {:.1} times its greatest speed somewhere in \
+             the object's range; give another --mount",
             reach.speed_share
         )),
         Err(error) => Some(format!(

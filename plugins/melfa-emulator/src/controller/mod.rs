@@ -176,6 +176,9 @@ impl Controller {
     /// Closes or opens the fingers; away from the handle they close on nothing.
     pub fn set_grasp(&mut self, closed: bool) {
         self.outputs.set_word(HAND_OUTPUT, 1, u16::from(closed));
+        if closed {
+            self.settings.grasp = Grasp::Held;
+        }
         let held = closed && self.scene.handle_distance_m() < FINGERS_M;
         let disturbance = self.scene.disturbance();
         if held && disturbance.released {
@@ -260,7 +263,6 @@ impl Controller {
     fn close_fingers_on_motion(&mut self) {
         let waiting = self.settings.grasp == Grasp::OnMotion && !self.scene.is_held();
         if waiting && self.measure.speed_m_s > GRASPING_SPEED_M_S {
-            self.settings.grasp = Grasp::Held;
             self.set_grasp(true);
         }
     }

@@ -5,7 +5,7 @@ use crate::alarm::{self, Alarm, Severity};
 use crate::options::Mode;
 
 impl Controller {
-    /// Raises an alarm: the program stops, the arm slows down to rest by [`crate::motion::Motion::stop`], and
+    /// Raises an alarm: the program stops and the arm slows down to rest as [`crate::motion`] says;
     /// after a grave one the servo goes off then. The first alarm stays until it is reset.
     pub fn raise(&mut self, alarm: Alarm) {
         self.stop_program();

@@ -8,6 +8,7 @@ use pubs_core::controller::{self, Control, SWAY_S};
 use pubs_core::joint::{Direction, Path, Pose};
 use pubs_plugin::Reading;
 
+use crate::grip::GripWatch;
 use crate::guard::{COMMAND_PERIODS, Guard, Trip};
 use crate::loops::{Rates, Tap};
 use crate::messages::{Order, Sample, Signals};
@@ -27,6 +28,7 @@ pub struct ControlLoop {
     signals: Signals,
     slower: [Slower; 2],
     tap: Option<Tap>,
+    grip: Option<GripWatch>,
     path: Option<(Path, Pose)>,
     speed_m_s: f64,
     /// The speed that has been wanted and reached, and since when.
@@ -78,12 +80,18 @@ impl ControlLoop {
                 },
             ],
             tap,
+            grip: None,
             path: None,
             speed_m_s: 0.0,
             steady: None,
             last_step_ns: None,
             first_step_ns: 0,
         }
+    }
+
+    /// Has the grasp watched from now on.
+    pub fn watch_grip(&mut self, grip: GripWatch) {
+        self.grip = Some(grip);
     }
 
     /// The guard, for its verdict.
@@ -195,7 +203,7 @@ impl ControlLoop {
         // Opening for the stop action, whose sign is 0.
         let direction = Direction::of(sign);
         let force = pose.orientation * Vector3::from(reading.force_n);
-        Sample {
+        let sample = Sample {
             action: index,
             displacement: path.displacement(&pose),
             forces_n: path.frame(&pose, direction).decompose(&force),
@@ -203,7 +211,12 @@ impl ControlLoop {
             speed_m_s: self.speed_m_s,
             demonstration: order.demonstration,
             valid: true,
+        };
+        let moves = !stopping && !is_stop;
+        if let Some(trip) = self.grip.as_mut().and_then(|grip| grip.see(&sample, moves)) {
+            self.guard.trip(trip);
         }
+        sample
     }
 
     /// Whether the arm is held at rest, or has moved with the wanted speed for so long that nothing

@@ -9,6 +9,7 @@
 //! | [`Trip::OffPath`] | the tool is more than [`OFF_PATH_M`] off the line or arc |
 //! | [`Trip::Jump`] | the tool moved faster than the high speed allows |
 //! | [`Trip::BeyondRange`] | it travelled further than the whole range |
+//! | [`Trip::LostGrasp`], [`Trip::Held`] | next to nothing is felt, or the handle does not move ([`crate::grip`]) |
 //! | [`Trip::Late`] | the controller itself came so late that the last command had run out |
 //! | [`Trip::Silent`] | filter or policy give no sign of life |
 //! | [`Trip::Interrupted`] | somebody asked to stop |
@@ -76,6 +77,18 @@ pub enum Trip {
         /// Since the grasp, m.
         travelled_m: f64,
     },
+    /// Moving, next to nothing is felt.
+    LostGrasp {
+        /// What was felt on average, N.
+        felt_n: f64,
+        /// The least that the object is felt by, N.
+        least_n: f64,
+    },
+    /// The handle does not move although it is pushed.
+    Held {
+        /// For how long, s.
+        held_s: f64,
+    },
     /// The controller came too late.
     Late {
         /// By how much, s.
@@ -135,6 +148,14 @@ impl fmt::Display for Trip {
                     travelled_m * 1e3
                 )
             }
+            Self::LostGrasp { felt_n, least_n } => write!(
+                out,
+                "moving, the tool feels {felt_n:.1} N, and this object at least {least_n:.1} N (lost grasp?)"
+            ),
+            Self::Held { held_s } => write!(
+                out,
+                "the handle was pushed for {held_s:.1} s and has not moved (jammed, or wrong limits?)"
+            ),
             Self::Late { late_s } => {
                 write!(out, "the controller loop came {:.0} ms late", late_s * 1e3)
             }

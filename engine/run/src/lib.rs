@@ -1,7 +1,7 @@
 //! The closed loop of Fig. 2: controller, filter and policy at their own rates.
 //!
 //! The *controller* loop (`control_loop`, 100 Hz) reads the driver through the [`guard`] and
-//! commands a twist; the *filter* loop (`filter_loop`, 30 Hz) follows with the belief; the
+//! commands a twist (and [`grip`] watches the handle in the fingers); the *filter* loop (`filter_loop`, 30 Hz) follows with the belief; the
 //! *policy* loop (`policy_loop`, 10 Hz) chooses an action and judges goals. Each is a plain
 //! value with one `step`, and they exchange the latest value of a few small messages
 //! (`messages`). The two slower loops are interchangeable ([`Follower`], [`Chooser`]): calibration
@@ -14,6 +14,7 @@ pub mod arm;
 pub mod clock;
 mod control_loop;
 mod filter_loop;
+pub mod grip;
 pub mod guard;
 pub mod inputs;
 mod lateness;

@@ -10,6 +10,7 @@ use pubs_core::controller::Control;
 
 use crate::arm::Arm;
 use crate::control_loop::ControlLoop;
+use crate::grip::GripWatch;
 use crate::guard::{Guard, Trip};
 use crate::messages::{Order, Sample, Signals};
 use crate::recording::Frame;
@@ -135,6 +136,13 @@ where
             rates_hz: [control.rate_hz, rates.follower_hz, rates.chooser_hz],
             interrupt,
         }
+    }
+
+    /// The same with the grasp watched.
+    #[must_use]
+    pub fn watching(mut self, grip: GripWatch) -> Self {
+        self.controller.watch_grip(grip);
+        self
     }
 
     /// Runs until the arm rests, in real time or on a virtual clock. `watch` is called a few times

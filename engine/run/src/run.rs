@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use pubs_core::Task;
-use pubs_core::belief::{Filter, Model};
+use pubs_core::belief::{Filter, Model, ModelError};
 use pubs_core::observation::ARM_CHANNELS;
 use pubs_core::seed::stream;
 use pubs_core::shield::Shield;
@@ -12,6 +12,7 @@ use pubs_core::shield::Shield;
 use crate::actor::Actor;
 use crate::arm::Arm;
 use crate::filter_loop::FilterLoop;
+use crate::grip::GripWatch;
 use crate::guard::Trip;
 use crate::loops::{Drive, Driven, Rates};
 use crate::messages::{Signals, Status};
@@ -61,6 +62,9 @@ pub enum RunError {
         /// Its name.
         channel: String,
     },
+    /// The observation model fails.
+    #[error(transparent)]
+    Model(#[from] ModelError),
     /// A policy with the wrong number of actions.
     #[error("a policy chooses among {outputs} actions; this object has {actions}")]
     PolicyShape {
@@ -93,6 +97,7 @@ pub fn run(
         .map(|channel| channel.name.clone())
         .collect();
     check(task, &channels, &policies, options)?;
+    let grip = GripWatch::new(task, &control, model.as_ref())?;
     let signals = Signals::new();
     let filter = Filter::new(task, model);
     let vector_unit = filter.vector_unit().to_string();
@@ -120,7 +125,8 @@ pub fn run(
         signals.clone(),
         None,
         Arc::clone(&options.interrupt),
-    );
+    )
+    .watching(grip);
     let driven = drive.run(options.lockstep, watch);
     Ok(sum_up(task, options, &signals, vector_unit, driven))
 }

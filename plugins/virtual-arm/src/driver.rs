@@ -54,6 +54,7 @@ impl Driver for VirtualArm {
         let simulation = Simulation::new(
             &world,
             params.start,
+            params.trouble,
             setup.seed,
             deceleration,
             monotonic_ns(),

@@ -4,6 +4,7 @@ use pubs_plugin::PluginError;
 use serde::Deserialize;
 use serde_json::Value;
 
+use crate::trouble::Trouble;
 use crate::world::{World, WorldError};
 
 /// JSON Schema of [`Params`].
@@ -16,7 +17,27 @@ pub(crate) const SCHEMA: &str = r#"{
     "start": { "type": "number", "minimum": 0, "maximum": 1, "description": "joint state at first, as a fraction of the range; drawn from the seed where left out" },
     "friction_scale": { "type": "number", "minimum": 0, "maximum": 10, "description": "dry and viscous friction times this" },
     "catch_scale": { "type": "number", "minimum": 0, "maximum": 10, "description": "force of catch and seal times this" },
-    "sensor_offset_n": { "type": "array", "items": { "type": "number", "minimum": -100, "maximum": 100 }, "minItems": 3, "maxItems": 3, "description": "what the force sensor has drifted by since the object was calibrated, tool axes, N; a tare does not see it" }
+    "sensor_offset_n": { "type": "array", "items": { "type": "number", "minimum": -100, "maximum": 100 }, "minItems": 3, "maxItems": 3, "description": "what the force sensor has drifted by since the object was calibrated, tool axes, N; a tare does not see it" },
+    "trouble": {
+      "type": "object",
+      "additionalProperties": false,
+      "description": "what befalls object and grasp; times count from the first command, s",
+      "properties": {
+        "slips_at_s": { "type": "number", "minimum": 0, "description": "the handle slips out of the fingers" },
+        "jams_at_s": { "type": "number", "minimum": 0, "description": "the object gets stuck where it is" },
+        "push": {
+          "type": "object",
+          "additionalProperties": false,
+          "required": ["at_s", "for_s", "force_n"],
+          "description": "somebody pulls the object by hand",
+          "properties": {
+            "at_s": { "type": "number", "minimum": 0 },
+            "for_s": { "type": "number", "minimum": 0 },
+            "force_n": { "type": "number", "minimum": -500, "maximum": 500, "description": "along the way of the handle, positive towards open" }
+          }
+        }
+      }
+    }
   }
 }"#;
 
@@ -37,6 +58,8 @@ pub(crate) struct Params {
     pub catch_scale: f64,
     #[serde(default)]
     pub sensor_offset_n: [f64; 3],
+    #[serde(default)]
+    pub trouble: Trouble,
 }
 
 fn one() -> f64 {

@@ -10,6 +10,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use crate::arm::Velocity;
 use crate::plant::{Plant, STEP_S};
 use crate::sensor::{Sensor, normals};
+use crate::trouble::Trouble;
 use crate::world::World;
 
 /// Length of a tick, ns.
@@ -35,6 +36,8 @@ pub struct Simulation {
     origin_ns: u64,
     ticks: u64,
     expires_ns: u64,
+    trouble: Trouble,
+    first_command_ns: Option<u64>,
 }
 
 impl Simulation {
@@ -43,6 +46,7 @@ impl Simulation {
     pub fn new(
         world: &World,
         start: Option<f64>,
+        trouble: Trouble,
         seed: u64,
         stop_deceleration_m_s2: f64,
         origin_ns: u64,
@@ -63,6 +67,8 @@ impl Simulation {
             origin_ns,
             ticks: 0,
             expires_ns: 0,
+            trouble,
+            first_command_ns: None,
         }
     }
 
@@ -87,6 +93,10 @@ impl Simulation {
         if self.plant.arm.is_following() && self.now_ns() >= self.expires_ns {
             self.plant.arm.ramp_to_rest();
         }
+        if let Some(first_ns) = self.first_command_ns {
+            let time_s = (self.now_ns() - first_ns) as f64 * 1e-9;
+            self.plant.disturbance = self.trouble.at(time_s);
+        }
         let from = self.plant.arm.position_m;
         for _ in 0..STEPS_PER_TICK {
             self.plant.step(STEP_S);
@@ -105,6 +115,7 @@ impl Simulation {
     /// Follows `twist` until `expires_ns`.
     pub fn command(&mut self, twist: Twist, expires_ns: u64) {
         self.expires_ns = expires_ns;
+        self.first_command_ns.get_or_insert(self.now_ns());
         self.plant.arm.follow(Velocity {
             linear: Vector3::from(twist.linear_m_s),
             angular: Vector3::from(twist.angular_rad_s),

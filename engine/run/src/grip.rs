@@ -2,11 +2,12 @@
 //!
 //! | trip | when | noticed after |
 //! |---|---|---|
-//! | [`Trip::LostGrasp`] | over the last [`WINDOW_S`] of motion less than [`LOST_SHARE`] of the force was felt that the object never falls below | 0.5 s of motion |
+//! | [`Trip::LostGrasp`] | over the last [`WINDOW_S`] of motion, all one way, less than [`LOST_SHARE`] of the force was felt that the object never falls below over such a way | 0.5 s of motion |
 //! | [`Trip::Held`] | an action pushed with more than half of F_t and the handle stayed within [`HELD_M`] | [`HELD_S`] of pushing |
 //!
-//! Forces are averaged as (f_d, f_z, f_n): f_d is positive in either direction, so that a reversal
-//! does not hide what is felt.
+//! What is felt is the length of (f_d, f_z, f_n), each averaged over [`GROUP`] periods against the
+//! sensor's noise, and that averaged over the window: a catch that pulls where friction pushed is
+//! felt, too.
 
 use std::collections::VecDeque;
 
@@ -21,11 +22,18 @@ use crate::messages::Sample;
 /// Time of motion over which forces are averaged, s.
 pub const WINDOW_S: f64 = 0.5;
 
+/// A window must cover this share of the way at safe speed: a handle that lingers near a catch may
+/// feel like nothing.
+const WAY_SHARE: f64 = 0.8;
+
+/// Control periods whose forces are averaged before their length is taken.
+pub const GROUP: usize = 5;
+
 /// Share of the least force below which the fingers hold nothing.
 pub const LOST_SHARE: f64 = 0.5;
 
 /// An object that may be felt less than this says nothing of the grasp, N.
-const LEAST_TELLING_N: f64 = 0.4;
+const LEAST_TELLING_N: f64 = 0.6;
 
 /// A handle that stays within this has not moved, m: grasp and stops give way by less.
 pub const HELD_M: f64 = 0.01;
@@ -45,9 +53,17 @@ pub struct GripWatch {
     rate_hz: f64,
     per_metre: f64,
     hard_n: f64,
+    way_m: f64,
     least_n: Option<f64>,
-    felt: VecDeque<[f64; 3]>,
+    felt: VecDeque<Felt>,
     held: Option<Held>,
+}
+
+/// One control period in motion.
+#[derive(Debug, Clone, Copy)]
+struct Felt {
+    displacement: f64,
+    forces_n: [f64; 3],
 }
 
 /// Where the handle was when it last moved, and for how many periods it has been pushed since.
@@ -68,6 +84,7 @@ impl GripWatch {
             rate_hz: control.rate_hz,
             per_metre: task.joint.per_metre(),
             hard_n: HARD_SHARE * control.force_threshold_n,
+            way_m: WAY_SHARE * WINDOW_S * control.safe_speed_m_s,
             least_n: least_n.filter(|least_n| *least_n >= LEAST_TELLING_N),
             felt: VecDeque::new(),
             held: None,
@@ -85,18 +102,18 @@ impl GripWatch {
             return None;
         }
         let window = (WINDOW_S * self.rate_hz).ceil() as usize;
-        self.felt.push_back(sample.forces_n);
+        self.felt.push_back(Felt {
+            displacement: sample.displacement,
+            forces_n: sample.forces_n,
+        });
         if self.felt.len() > window {
             self.felt.pop_front();
         }
-        let mut sum = [0.0; 3];
-        for forces_n in &self.felt {
-            for (sum, force_n) in sum.iter_mut().zip(forces_n) {
-                *sum += force_n;
-            }
-        }
-        let felt_n = length(sum) / self.felt.len() as f64;
-        let lost = self.felt.len() == window && felt_n < LOST_SHARE * least_n;
+        let felt_n = felt_n(self.felt.make_contiguous());
+        let from = self.felt.front().map_or(0.0, |felt| felt.displacement);
+        let way_m = (sample.displacement - from).abs() / self.per_metre;
+        let lost =
+            self.felt.len() == window && way_m >= self.way_m && felt_n < LOST_SHARE * least_n;
         lost.then_some(Trip::LostGrasp { felt_n, least_n })
     }
 
@@ -114,12 +131,27 @@ impl GripWatch {
         if moved_m > HELD_M {
             *held = fresh;
         }
-        if sample.forces_n[0] > self.hard_n {
+        // A reversal takes force too, so only what is steady counts.
+        if sample.settled && sample.forces_n[0] > self.hard_n {
             held.periods += 1;
         }
         let held_s = f64::from(held.periods) / self.rate_hz;
         (held_s > HELD_S).then_some(Trip::Held { held_s })
     }
+}
+
+/// Length of the forces, averaged over groups and then over these.
+fn felt_n(window: &[Felt]) -> f64 {
+    let lengths = window.chunks(GROUP).map(|group| {
+        let mut sum = [0.0; 3];
+        for felt in group {
+            for (sum, force_n) in sum.iter_mut().zip(felt.forces_n) {
+                *sum += force_n;
+            }
+        }
+        length(sum)
+    });
+    lengths.sum::<f64>() / window.len().max(1) as f64
 }
 
 /// The least force that the object is felt by, averaged over the way that a watch's window covers
@@ -160,13 +192,16 @@ fn least_felt_n(
             .iter()
             .map(|&channel| &mean[channel * STATES..(channel + 1) * STATES])
             .collect();
-        for from in 0..=STATES - window {
-            let sums = forces.iter().map(|force_n| {
-                let part = &force_n[from..from + window];
-                part.iter().map(|&force_n| f64::from(force_n)).sum::<f64>() / window as f64
-            });
-            let felt_n = sums.map(|sum| sum * sum).sum::<f64>().sqrt();
-            least_n = least_n.min(felt_n);
+        let lengths: Vec<f64> = (0..STATES)
+            .map(|state| {
+                let squares = forces
+                    .iter()
+                    .map(|force_n| f64::from(force_n[state]).powi(2));
+                squares.sum::<f64>().sqrt()
+            })
+            .collect();
+        for part in lengths.windows(window) {
+            least_n = least_n.min(part.iter().sum::<f64>() / window as f64);
         }
     }
     Ok(Some(least_n))
@@ -188,13 +223,14 @@ mod tests {
             rate_hz: RATE_HZ,
             per_metre: 1.0,
             hard_n: 7.5,
+            way_m: 0.02,
             least_n,
             felt: VecDeque::new(),
             held: None,
         }
     }
 
-    /// One second of samples at 0.05 m/s or pushed at rest; when the watch trips, s.
+    /// When and why the watch trips, s.
     fn trips_after(
         mut watch: GripWatch,
         seconds: f64,
@@ -243,6 +279,11 @@ mod tests {
             (Some(2.0), [0.0, 0.0, -1.5], "felt across the path"),
             (None, [0.0; 3], "an object that may be felt as nothing"),
         ];
+        let lingers = |time_s| Sample {
+            displacement: 0.01,
+            ..moving(time_s, [0.0; 3])
+        };
+        assert_eq!(trips_after(watch(Some(2.0)), 3.0, lingers), None);
         for (least_n, forces_n, name) in cases {
             let tripped = trips_after(watch(least_n), 3.0, |time_s| moving(time_s, forces_n));
             assert_eq!(tripped, None, "{name}");
@@ -254,6 +295,7 @@ mod tests {
         let pushed = |displacement, force_n| Sample {
             displacement,
             forces_n: [force_n, 0.0, 0.0],
+            settled: true,
             ..Sample::default()
         };
         let (after_s, trip) = trips_after(watch(None), 5.0, |_| pushed(0.1, 15.0)).unwrap();
@@ -261,7 +303,12 @@ mod tests {
         assert!(matches!(trip, Trip::Held { .. }), "{trip:?}");
         let gives_way = |time_s: f64| pushed(0.02 * time_s, 15.0);
         assert_eq!(trips_after(watch(None), 5.0, gives_way), None, "it moves");
-        let dithers = |_| pushed(0.1, 3.0);
-        assert_eq!(trips_after(watch(None), 5.0, dithers), None, "not pushed");
+        let free = |_| pushed(0.1, 3.0);
+        assert_eq!(trips_after(watch(None), 5.0, free), None, "not pushed");
+        let dithers = |_| Sample {
+            settled: false,
+            ..pushed(0.1, 15.0)
+        };
+        assert_eq!(trips_after(watch(None), 5.0, dithers), None, "it turns");
     }
 }

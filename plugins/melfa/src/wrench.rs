@@ -73,13 +73,23 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
+    /// Name; axes, rotation (deg) and position (m) of the sensor; force and torque at the tool.
+    type Case = (
+        &'static str,
+        [&'static str; 3],
+        [f64; 3],
+        [f64; 3],
+        [f64; 3],
+        [f64; 3],
+    );
+
     #[test]
     fn axes_rotation_and_shift_by_hand() {
         let raw = Wrench {
             force: Vector3::new(1.0, 2.0, 3.0),
             torque: Vector3::new(0.1, 0.2, 0.3),
         };
-        let cases: [(&str, [&str; 3], [f64; 3], [f64; 3], [f64; 3], [f64; 3]); 4] = [
+        let cases: [Case; 4] = [
             (
                 "as it is",
                 ["x", "y", "z"],

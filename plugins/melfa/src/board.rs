@@ -1,0 +1,80 @@
+//! What the threads tell each other: the engine's calls, motion, force and supervision.
+//!
+//! One lock, held for a few assignments at a time, and not by a thread that waits for anything.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use nalgebra::Isometry3;
+
+use crate::fault::Fault;
+use crate::motion::Phase;
+use crate::stats::Stats;
+use crate::twist::Motion;
+use crate::wrench::Wrench;
+
+/// A value and when it arrived, monotonic clock.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Timed<T> {
+    /// ns.
+    pub time_ns: u64,
+    /// The value.
+    pub value: T,
+}
+
+/// A velocity and when it runs out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Order {
+    /// Of the tool, engine's base.
+    pub velocity: Motion,
+    /// ns.
+    pub expires_ns: u64,
+}
+
+/// The present state of everything.
+#[derive(Debug, Default)]
+pub struct Board {
+    /// What the engine wants; `None` after a stop.
+    pub order: Option<Order>,
+    /// The driver is being closed.
+    pub closing: bool,
+    /// Where the motion thread is.
+    pub phase: Phase,
+    /// Why the arm was brought to rest for good; the first reason stays.
+    pub fault: Option<Fault>,
+    /// Why the arm is kept at rest for now, as the motion thread found.
+    pub hold: Option<String>,
+    /// The newest pose of the tool, engine's base.
+    pub pose: Option<Timed<Isometry3<f64>>>,
+    /// The newest wrench, tool axes, not tared.
+    pub wrench: Option<Timed<Wrench>>,
+    /// When the motion thread last came round, ns.
+    pub alive_ns: u64,
+    /// When the controller last said that it may move, ns.
+    pub permitted_ns: u64,
+    /// Somebody wants to know the controller's state soon.
+    pub state_wanted: bool,
+    /// Figures.
+    pub stats: Stats,
+}
+
+impl Board {
+    /// Sets the fault, unless there is one.
+    pub fn fail(&mut self, fault: Fault) {
+        if self.fault.is_none() {
+            crate::log::say("fault", &fault.reason);
+            self.fault = Some(fault);
+            self.order = None;
+        }
+    }
+}
+
+/// The board, shared.
+#[derive(Debug, Clone, Default)]
+pub struct Shared(Arc<Mutex<Board>>);
+
+impl Shared {
+    /// Takes the lock. A thread that broke down while it had it left whole values behind.
+    pub fn lock(&self) -> MutexGuard<'_, Board> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

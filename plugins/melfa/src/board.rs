@@ -30,6 +30,15 @@ pub struct Order {
     pub expires_ns: u64,
 }
 
+/// How old things may be while the arm moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Patience {
+    /// The wrench, ns; `None` where no force is read.
+    pub force_ns: Option<u64>,
+    /// The controller's word that it may move, ns.
+    pub permit_ns: u64,
+}
+
 /// The present state of everything.
 #[derive(Debug, Default)]
 pub struct Board {
@@ -41,8 +50,8 @@ pub struct Board {
     pub phase: Phase,
     /// Why the arm was brought to rest for good; the first reason stays.
     pub fault: Option<Fault>,
-    /// Why the arm is kept at rest for now, as the motion thread found.
-    pub hold: Option<String>,
+    /// How old what keeps the arm permitted to move may be.
+    pub patience: Patience,
     /// The newest pose of the tool, engine's base.
     pub pose: Option<Timed<Isometry3<f64>>>,
     /// The newest wrench, tool axes, not tared.
@@ -58,6 +67,23 @@ pub struct Board {
 }
 
 impl Board {
+    /// Why the arm must be kept at rest for now.
+    pub fn hold(&self, now_ns: u64) -> Option<&'static str> {
+        let age_ns = |time_ns: u64| now_ns.saturating_sub(time_ns);
+        let force_ns = age_ns(self.wrench.map_or(0, |wrench| wrench.time_ns));
+        if self
+            .patience
+            .force_ns
+            .is_some_and(|most_ns| force_ns > most_ns)
+        {
+            return Some("no force reading for too long: is the monitor stream alive?");
+        }
+        if age_ns(self.permitted_ns) > self.patience.permit_ns {
+            return Some("the controller's state is not known: R3 does not answer");
+        }
+        None
+    }
+
     /// Sets the fault, unless there is one.
     pub fn fail(&mut self, fault: Fault) {
         if self.fault.is_none() {

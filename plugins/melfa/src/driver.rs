@@ -205,9 +205,10 @@ impl Driver for Melfa {
             )));
         }
         let mut board = self.board.lock();
-        check_health(&board, monotonic_ns())?;
-        if let Some(hold) = &board.hold {
-            return Err(PluginError::new(hold.clone()));
+        let now_ns = monotonic_ns();
+        check_health(&board, now_ns)?;
+        if let Some(hold) = board.hold(now_ns) {
+            return Err(hold.into());
         }
         if board.phase == Phase::Lost {
             return Err("the link to MXT is lost; it is tried again".into());

@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 
 use pubs_plugin::{DriverSetup, PluginError};
 
-use crate::board::Shared;
+use crate::board::{Patience, Shared};
 use crate::motion::{MotionSettings, MotionThread};
-use crate::params::Params;
+use crate::params::{ForceSource, Params, ms_ns};
 use crate::prepare::Ready;
 use crate::r3::R3Client;
 use crate::system::monotonic_ns;
@@ -41,7 +41,17 @@ impl Session {
         board: Shared,
     ) -> Result<Self, PluginError> {
         let failed = |error: std::io::Error| PluginError::new(format!("no thread: {error}"));
-        board.lock().permitted_ns = monotonic_ns();
+        {
+            let mut board = board.lock();
+            board.permitted_ns = monotonic_ns();
+            board.patience = Patience {
+                force_ns: match params.force_source {
+                    ForceSource::None => None,
+                    _ => Some(ms_ns(params.force_stale_ms)),
+                },
+                permit_ns: ms_ns(params.r3_lost_ms),
+            };
+        }
         let mut session = Self {
             board: board.clone(),
             params: params.clone(),

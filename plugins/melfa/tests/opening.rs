@@ -224,6 +224,7 @@ fn an_alarm_is_reset_where_that_is_wanted_and_never_an_emergency_stop() {
     let wanted = json!({ "reset_alarm": true });
     let peer = Peer::start(alarm.clone());
     drop(Melfa::open(&peer.setup(wanted.clone())).unwrap());
+    drop(peer);
     let pressed = State {
         stop: 0x01,
         ..alarm

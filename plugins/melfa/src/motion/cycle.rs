@@ -157,7 +157,6 @@ impl Cycle {
         if self.misses == SUSPICIOUS_MISSES {
             board.state_wanted = true;
         }
-        board.hold = self.hold(board, now_ns);
         if before == Phase::Lost && now_ns - self.lost_since_ns > self.settings.relink_ns {
             let seconds = self.settings.relink_ns as f64 * 1e-9;
             board.fail(Fault::link(format!(
@@ -186,7 +185,7 @@ impl Cycle {
     /// The engine's order, if it still holds and nothing forbids it; else it is forgotten, so that
     /// nothing begins to move without a new one.
     fn order(&self, board: &mut Board, now_ns: u64) -> Option<Order> {
-        let forbidden = board.hold.is_some()
+        let forbidden = board.hold(now_ns).is_some()
             || board.closing
             || board.fault.is_some()
             || self.phase == Phase::Lost;
@@ -194,23 +193,6 @@ impl Cycle {
             board.order = None;
         }
         board.order
-    }
-
-    /// Why the arm must be kept at rest for now.
-    fn hold(&self, board: &Board, now_ns: u64) -> Option<String> {
-        let age = |time_ns: u64| now_ns.saturating_sub(time_ns);
-        if let Some(stale_ns) = self.settings.force_stale_ns {
-            let age_ns = age(board.wrench.map_or(0, |wrench| wrench.time_ns));
-            if age_ns > stale_ns {
-                let text = "no force reading for too long: is the monitor stream alive?";
-                return Some(text.to_owned());
-            }
-        }
-        if age(board.permitted_ns) > self.settings.permit_stale_ns {
-            let text = "the controller's state is not known: R3 does not answer";
-            return Some(text.to_owned());
-        }
-        None
     }
 
     fn is_lost(&self, held_ns: u64) -> bool {

@@ -12,7 +12,7 @@ use crate::fault::Fault;
 use crate::frames::Frames;
 use crate::joint_guard::JointGuard;
 use crate::mxt::{MxtLink, Snapshot};
-use crate::params::{ForceSource, Params, ms_ns, s_ns};
+use crate::params::{Params, s_ns};
 use crate::shaper::Bounds;
 use crate::system::make_timely;
 use crate::target::Writing;
@@ -38,9 +38,6 @@ pub struct MotionSettings {
     pub timeout_cycles: f64,
     pub lost_misses: u32,
     pub relink_ns: u64,
-    /// `None` where no force is read.
-    pub force_stale_ns: Option<u64>,
-    pub permit_stale_ns: u64,
 }
 
 impl MotionSettings {
@@ -85,11 +82,6 @@ impl MotionSettings {
             timeout_cycles: params.receive_timeout_cycles,
             lost_misses: params.link_lost_misses,
             relink_ns: s_ns(params.relink_s),
-            force_stale_ns: match params.force_source {
-                ForceSource::None => None,
-                _ => Some(ms_ns(params.force_stale_ms)),
-            },
-            permit_stale_ns: ms_ns(params.r3_lost_ms),
         }
     }
 

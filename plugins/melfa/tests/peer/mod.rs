@@ -7,7 +7,7 @@ mod text;
 
 use std::net::{SocketAddr, TcpListener, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -107,8 +107,12 @@ impl State {
     }
 }
 
+/// One controller at a time: the driver's cycle needs its share of the machine.
+static ALONE: Mutex<()> = Mutex::new(());
+
 /// The controller. It ends when dropped.
 pub struct Peer {
+    _alone: MutexGuard<'static, ()>,
     state: Arc<Mutex<State>>,
     over: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
@@ -119,6 +123,7 @@ pub struct Peer {
 
 impl Peer {
     pub fn start(state: State) -> Self {
+        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let mxt = UdpSocket::bind("127.0.0.1:0").unwrap();
         let monitor = UdpSocket::bind("127.0.0.1:0").unwrap();
@@ -146,6 +151,7 @@ impl Peer {
         ];
         let [r3, mxt, monitor] = addresses;
         Self {
+            _alone: alone,
             state,
             over,
             threads,

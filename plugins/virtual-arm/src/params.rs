@@ -73,12 +73,8 @@ impl Params {
     /// The world, scaled.
     pub(crate) fn world(&self) -> Result<World, WorldError> {
         let mut world = World::load(&self.world)?;
-        let resistance = &mut world.resistance;
-        resistance.coulomb_n *= self.friction_scale;
-        resistance.viscous_n_s_per_m *= self.friction_scale;
-        resistance.ripple.amplitude *= self.friction_scale;
-        resistance.catch.force_n *= self.catch_scale;
-        resistance.seal.force_n *= self.catch_scale;
+        world.resistance.scale_friction(self.friction_scale);
+        world.resistance.scale_catch(self.catch_scale);
         world.sensor.offset_n = self.sensor_offset_n.into();
         Ok(world)
     }

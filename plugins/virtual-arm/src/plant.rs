@@ -25,6 +25,17 @@ pub struct Wrench {
     pub torque: Vector3<f64>,
 }
 
+/// What befalls the object and the grasp besides the arm's motion.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Disturbance {
+    /// Somebody else's force on the handle, along its way towards open, N.
+    pub push_n: f64,
+    /// The object is stuck where it is.
+    pub jammed: bool,
+    /// The fingers do not hold the handle.
+    pub released: bool,
+}
+
 /// The physics.
 #[derive(Debug, Clone)]
 pub struct Plant {
@@ -35,6 +46,8 @@ pub struct Plant {
     lever: f64,
     /// The arm.
     pub arm: Arm,
+    /// Nothing at first.
+    pub disturbance: Disturbance,
     /// The handle's way from the zero of the joint, m.
     position_m: f64,
     /// The handle's speed along its way, m/s.
@@ -61,6 +74,7 @@ impl Plant {
             mass_kg: world.joint.mass_kg,
             lever,
             arm,
+            disturbance: Disturbance::default(),
             position_m,
             speed_m_s: 0.0,
         };
@@ -75,48 +89,72 @@ impl Plant {
         self.position_m / self.lever
     }
 
+    /// The handle's way from the zero of the joint, m, and its speed along it, m/s.
+    pub fn handle_motion(&self) -> (f64, f64) {
+        (self.position_m, self.speed_m_s)
+    }
+
     /// Whether nothing will change until the next command.
     pub fn is_at_rest(&self) -> bool {
         self.arm.is_at_rest() && self.speed_m_s.abs() < STILL_M_S
     }
 
-    /// One semi-implicit step: damping and dry friction at the new speed, so that friction holds
-    /// what it can hold and never reverses a motion; springs at the old position.
+    /// One step of object and arm.
     pub fn step(&mut self, step_s: f64) {
+        self.step_object(step_s);
+        self.arm.step(step_s);
+    }
+
+    /// One semi-implicit step of the object alone: damping and dry friction at the new speed, so
+    /// that friction holds what it can hold and never reverses a motion; springs at the old
+    /// position. An arm that is moved by something else is placed before each step by its fields.
+    pub fn step_object(&mut self, step_s: f64) {
         let handle = self.geometry.handle(self.position_m);
-        let damping = &self.grasp.damping_n_s_per_m;
-        let pull = self
-            .stretch(&handle)
-            .component_mul(&self.grasp.stiffness_n_per_m)
-            + handle
-                .local(&self.arm.velocity.linear)
-                .component_mul(damping);
+        let pull = self.spring_force(&handle) + self.dragging_force(&handle);
         let push = handle.slope.dot(&pull) + handle.turn.dot(&self.twisting(&handle))
             - self.resisting.closing_force_n(self.position_m)
-            + self.resisting.stop_force_n(self.position_m, self.speed_m_s);
-        let drag = handle.slope.component_mul(&handle.slope).dot(damping)
+            + self.resisting.stop_force_n(self.position_m, self.speed_m_s)
+            + self.disturbance.push_n;
+        let damping = self.held(&self.grasp.damping_n_s_per_m);
+        let drag = handle.slope.component_mul(&handle.slope).dot(&damping)
             + self.resisting.viscous_n_s_per_m();
 
         let weight = self.mass_kg + step_s * drag;
         let free = (self.mass_kg * self.speed_m_s + step_s * push) / weight;
         let held = step_s * self.resisting.coulomb_n(self.position_m) / weight;
-        self.speed_m_s = if free.abs() <= held {
+        self.speed_m_s = if self.disturbance.jammed || free.abs() <= held {
             0.0
         } else {
             free - held * free.signum()
         };
         self.position_m += step_s * self.speed_m_s;
-        self.arm.step(step_s);
+    }
+
+    fn spring_force(&self, handle: &HandleFrame) -> Vector3<f64> {
+        self.stretch(handle)
+            .component_mul(&self.held(&self.grasp.stiffness_n_per_m))
+    }
+
+    fn dragging_force(&self, handle: &HandleFrame) -> Vector3<f64> {
+        handle
+            .local(&self.arm.velocity.linear)
+            .component_mul(&self.held(&self.grasp.damping_n_s_per_m))
+    }
+
+    /// A property of the grasp: nothing where the fingers do not hold.
+    fn held(&self, property: &Vector3<f64>) -> Vector3<f64> {
+        match self.disturbance.released {
+            false => *property,
+            true => Vector3::zeros(),
+        }
     }
 
     /// What the tool exerts on the object at the tool origin, tool axes.
     pub fn wrench(&self) -> Wrench {
         let handle = self.geometry.handle(self.position_m);
         let sliding = handle.local(&self.arm.velocity.linear) - handle.slope * self.speed_m_s;
-        let force = self
-            .stretch(&handle)
-            .component_mul(&self.grasp.stiffness_n_per_m)
-            + sliding.component_mul(&self.grasp.damping_n_s_per_m);
+        let force = self.spring_force(&handle)
+            + sliding.component_mul(&self.held(&self.grasp.damping_n_s_per_m));
         let to_tool = self.arm.orientation.inverse();
         Wrench {
             force: to_tool * handle.base(&force),
@@ -131,7 +169,7 @@ impl Plant {
 
     /// Torque of the turned grasp on the object, base axes, N m.
     fn twisting(&self, handle: &HandleFrame) -> Vector3<f64> {
-        if self.grasp.rotation_nm_per_rad == 0.0 {
+        if self.grasp.rotation_nm_per_rad == 0.0 || self.disturbance.released {
             return Vector3::zeros();
         }
         (self.arm.orientation * handle.orientation.inverse()).scaled_axis()

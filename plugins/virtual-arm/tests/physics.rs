@@ -4,7 +4,7 @@
 
 use nalgebra::Vector3;
 use pubs_virtual_arm::arm::Velocity;
-use pubs_virtual_arm::plant::{Plant, STEP_S};
+use pubs_virtual_arm::plant::{Disturbance, Plant, STEP_S};
 use pubs_virtual_arm::world::World;
 
 /// A drawer of 2 kg, opening along base x, with this friction and the tables in `extra`.
@@ -251,4 +251,63 @@ fn closing_door2_is_pulled_in_by_its_magnet() {
         plant.joint_state().to_degrees() < 0.05,
         "the door is closed"
     );
+}
+
+/// A drawer held by the arm at rest, and what befalls it.
+fn befallen(disturbance: Disturbance, seconds: f64) -> Plant {
+    let mut plant = Plant::new(&drawer(5.0, 0.0, 130.0, ""), 0.1, 5.0);
+    plant.disturbance = disturbance;
+    run(&mut plant, seconds);
+    plant
+}
+
+#[test]
+fn somebody_pulling_stretches_the_grasp_by_what_friction_leaves() {
+    let push_n = 25.0;
+    let plant = befallen(
+        Disturbance {
+            push_n,
+            ..Disturbance::default()
+        },
+        2.0,
+    );
+    // 25 N less 5 N of friction, against 2000 N/m, is 10 mm, and 20 N on the tool.
+    let way = plant.joint_state() - 0.1;
+    assert!((way - 0.010).abs() < 2e-4, "the drawer went {way} m");
+    let force = plant.wrench().force.x;
+    assert!((force + 20.0).abs() < 0.5, "the tool exerts {force} N");
+}
+
+#[test]
+fn released_drawer_feels_nothing_of_the_tool() {
+    let mut plant = befallen(
+        Disturbance {
+            released: true,
+            ..Disturbance::default()
+        },
+        0.1,
+    );
+    plant.arm.follow(linear(0.1, 0.0, 0.0));
+    run(&mut plant, 0.5);
+    assert_eq!(plant.wrench().force, Vector3::zeros());
+    let moved = plant.joint_state() - 0.1;
+    assert!(moved.abs() < 1e-6, "it went {moved} m by itself");
+}
+
+#[test]
+fn jammed_drawer_stands_while_the_force_grows() {
+    let mut plant = befallen(
+        Disturbance {
+            jammed: true,
+            ..Disturbance::default()
+        },
+        0.1,
+    );
+    let before = plant.joint_state();
+    plant.arm.follow(linear(0.05, 0.0, 0.0));
+    run(&mut plant, 0.4);
+    assert_eq!(plant.joint_state(), before);
+    // 0.05 m/s for 0.4 s is 20 mm: 40 N on the spring and 6.5 N on the damper.
+    let force = plant.wrench().force.x;
+    assert!((force - 46.5).abs() < 1.0, "{force} N after 20 mm");
 }

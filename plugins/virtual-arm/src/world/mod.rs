@@ -83,6 +83,21 @@ pub struct Resistance {
     pub stop: Stop,
 }
 
+impl Resistance {
+    /// Dry and viscous friction times `factor`.
+    pub fn scale_friction(&mut self, factor: f64) {
+        self.coulomb_n *= factor;
+        self.viscous_n_s_per_m *= factor;
+        self.ripple.amplitude *= factor;
+    }
+
+    /// Force of catch and seal times `factor`.
+    pub fn scale_catch(&mut self, factor: f64) {
+        self.catch.force_n *= factor;
+        self.seal.force_n *= factor;
+    }
+}
+
 /// A force that is greatest at the closed limit.
 #[derive(Debug, Clone, Copy)]
 pub struct Bump {

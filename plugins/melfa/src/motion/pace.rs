@@ -2,8 +2,17 @@
 //!
 //! The next request is due one cycle after the one before was due. Where the reply to that one has
 //! not come by then, it is waited for, up to the timeout, and the request goes out with it: so the
-//! pace settles on the controller's own. A thread that comes late begins a new row of due times
-//! from where it is; what it did not send in time is not sent afterwards.
+//! pace settles on the controller's own. A controller that answers at the end of its cycle, not at
+//! once, is approached a little faster than its cycle, so that requests go out just after its
+//! replies and have the whole cycle to arrive in. A thread that comes late begins a new row of due
+//! times from where it is; what it did not send in time is not sent afterwards.
+
+/// A reply that comes this share of a cycle after its request, or later, waited for the end of the
+/// controller's cycle.
+const WAITED: f64 = 0.3;
+
+/// By this share of a cycle such a controller is approached.
+const APPROACH: f64 = 0.02;
 
 /// Due times.
 #[derive(Debug, Clone)]
@@ -50,7 +59,14 @@ impl Pace {
         let late_ns = now_ns.saturating_sub(planned_ns);
         let held_ns = now_ns.saturating_sub(self.sent_ns + self.cycle_ns);
         let behind = late_ns > self.cycle_ns || planned_ns > self.due_ns;
-        self.due_ns = if behind { now_ns } else { self.due_ns } + self.cycle_ns;
+        let from_ns = if behind { now_ns } else { self.due_ns };
+        let waited_ns = ready_ns.saturating_sub(self.sent_ns);
+        let approach = if waited_ns as f64 > WAITED * self.cycle_ns as f64 {
+            APPROACH
+        } else {
+            0.0
+        };
+        self.due_ns = from_ns + ((1.0 - approach) * self.cycle_ns as f64) as u64;
         self.sent_ns = now_ns;
         Departure { late_ns, held_ns }
     }
@@ -79,7 +95,7 @@ mod tests {
             let due = 1_000_000_000 + cycle * CYCLE;
             assert_eq!(pace.due_ns(), due, "cycle {cycle}");
             // Each 80 µs late, the reply long there: no drift.
-            let found = pace.depart(due + 80_000, due - 2_000_000);
+            let found = pace.depart(due + 80_000, due - 3_200_000);
             assert_eq!(found.late_ns, 80_000);
             assert!(found.held_ns <= 80_000, "{found:?}");
         }
@@ -102,6 +118,24 @@ mod tests {
         assert!(
             mean.abs_diff(period) < 20_000,
             "mean {mean} ns between requests"
+        );
+    }
+
+    #[test]
+    fn requests_come_to_lie_just_after_the_replies() {
+        // The controller answers at its boundaries; at first requests go out 2 ms after them.
+        let mut pace = Pace::new(CYCLE, 2.0, 10 * CYCLE + 2_000_000);
+        let (mut now, mut last) = (pace.due_ns(), 0);
+        for _ in 0..100 {
+            pace.depart(now, last);
+            let reply = (now / CYCLE + 1) * CYCLE;
+            now = pace.due_ns().max(reply) + 50_000;
+            last = reply;
+        }
+        let after = now % CYCLE;
+        assert!(
+            after < 300_000,
+            "requests go out {after} ns after the replies"
         );
     }
 

@@ -5,6 +5,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use nalgebra::Isometry3;
+use pubs_melfa_protocol::Pose;
 
 use crate::fault::Fault;
 use crate::motion::Phase;
@@ -28,6 +29,17 @@ pub struct Order {
     pub velocity: Motion,
     /// ns.
     pub expires_ns: u64,
+}
+
+/// The command that the controller has.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Commanded {
+    /// As it tells it.
+    pub pose: Pose,
+    /// When it told it last, ns.
+    pub time_ns: u64,
+    /// Since when it has been the same, ns.
+    pub since_ns: u64,
 }
 
 /// How old things may be while the arm moves.
@@ -56,6 +68,8 @@ pub struct Board {
     pub pose: Option<Timed<Isometry3<f64>>>,
     /// The newest wrench, tool axes, not tared.
     pub wrench: Option<Timed<Wrench>>,
+    /// The command that the controller has, as the monitor tells it.
+    pub commanded: Option<Commanded>,
     /// When the motion thread last came round, ns.
     pub alive_ns: u64,
     /// When the controller last said that it may move, ns.
@@ -82,6 +96,16 @@ impl Board {
             return Some("the controller's state is not known: R3 does not answer");
         }
         None
+    }
+
+    /// Takes in what the monitor tells of the command.
+    pub fn hear_command(&mut self, heard: Timed<Pose>) {
+        let same = self.commanded.filter(|before| before.pose == heard.value);
+        self.commanded = Some(Commanded {
+            pose: heard.value,
+            time_ns: heard.time_ns,
+            since_ns: same.map_or(heard.time_ns, |before| before.since_ns),
+        });
     }
 
     /// Sets the fault, unless there is one.

@@ -12,15 +12,16 @@ use crate::params::{ForceSource, Params, SCHEMA, ms_ns, s_ns};
 use crate::prepare::{self, prepare};
 use crate::session::Session;
 use crate::stats::Stats;
-use crate::system::monotonic_ns;
+use crate::system::{monotonic_ns, sleep_until};
 use crate::twist::Motion;
 use crate::wrench::Wrench;
 
 /// A motion thread that has not come round for so long hangs, ns.
 const HUNG_NS: u64 = 200_000_000;
 
-/// The first reading after the opening is waited for so long, ns.
-const FIRST_READING_NS: u64 = 500_000_000;
+/// For so long after the opening the arm is only watched: the motion thread comes into step with
+/// the controller, and readings have time to come, ns.
+const FIRST_LOOK_NS: u64 = 300_000_000;
 
 const LOOK: Duration = Duration::from_millis(1);
 
@@ -54,15 +55,9 @@ impl Melfa {
         self.stats()
     }
 
-    fn await_first_reading(&mut self) -> Result<(), PluginError> {
-        let until_ns = monotonic_ns() + FIRST_READING_NS;
-        loop {
-            match self.read() {
-                Ok(_) => return Ok(()),
-                Err(error) if monotonic_ns() >= until_ns => return Err(error),
-                Err(_) => std::thread::sleep(LOOK),
-            }
-        }
+    fn look_first(&mut self) -> Result<(), PluginError> {
+        sleep_until(monotonic_ns() + FIRST_LOOK_NS);
+        self.read().map(drop)
     }
 
     /// Wrenches over the time of a baseline.
@@ -158,7 +153,7 @@ impl Driver for Melfa {
             params,
             offset,
         };
-        driver.await_first_reading()?;
+        driver.look_first()?;
         Ok(driver)
     }
 

@@ -4,8 +4,8 @@ use std::io;
 use std::net::{SocketAddr, UdpSocket};
 use std::thread::{self, JoinHandle};
 
-use pubs_melfa_protocol::PACKET_LEN;
 use pubs_melfa_protocol::monitor::{Reply, Request, Value};
+use pubs_melfa_protocol::{PACKET_LEN, Pose};
 
 use crate::board::{Shared, Timed};
 use crate::freshness::Freshness;
@@ -25,6 +25,7 @@ pub struct MonitorLink {
     socket: UdpSocket,
     types: [u16; 4],
     force_id: u16,
+    command_id: u16,
     freshness: Freshness,
 }
 
@@ -33,6 +34,8 @@ pub struct MonitorLink {
 pub struct Streamed {
     /// New force readings, the sensor's own axes, in their order.
     pub wrenches: Vec<Timed<Wrench>>,
+    /// The newest command that the controller has, where it tells it.
+    pub commanded: Option<Timed<Pose>>,
     /// New packets without a force reading.
     pub without_force: u32,
     /// Nobody listens at the other end, says the network.
@@ -50,8 +53,9 @@ impl MonitorLink {
         socket.set_nonblocking(true)?;
         Ok(Self {
             socket,
-            types: [params.force_id, params.pose_id, 0, 0],
+            types: [params.force_id, params.pose_id, params.command_id, 0],
             force_id: params.force_id,
+            command_id: params.command_id,
             freshness: Freshness::default(),
         })
     }
@@ -93,6 +97,9 @@ impl MonitorLink {
         };
         if !self.freshness.accepts(reply.count) {
             return;
+        }
+        if let Some(Value::Pose(value)) = reply.get(self.command_id).copied() {
+            found.commanded = Some(Timed { time_ns, value });
         }
         match reply.get(self.force_id).and_then(wrench_of) {
             Some(value) => found.wrenches.push(Timed { time_ns, value }),
@@ -136,6 +143,9 @@ pub fn spawn(
         while !is_over() {
             let found = link.receive(monotonic_ns() + LOOK_NS);
             let now_ns = monotonic_ns();
+            if let Some(commanded) = found.commanded {
+                board.lock().hear_command(commanded);
+            }
             if let Some(last) = found.wrenches.last() {
                 newest_ns = last.time_ns;
                 board.lock().wrench = Some(Timed {

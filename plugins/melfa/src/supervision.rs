@@ -21,7 +21,7 @@ use crate::wrench::{Mounting, Wrench};
 const LOOK: Duration = Duration::from_millis(5);
 
 /// Between two attempts to connect, ns.
-const RECONNECT_NS: u64 = 250_000_000;
+const RECONNECT_NS: u64 = 100_000_000;
 
 /// A state that is wanted soon is not asked for more often than this, ns.
 const SOON_NS: u64 = 20_000_000;

@@ -13,12 +13,6 @@ use crate::system::monotonic_ns;
 use crate::twist::Motion;
 use aim::Aim;
 
-/// Between two requests into a lost link, ns.
-const KNOCK_NS: u64 = 50_000_000;
-
-/// After so many misses in a row the controller's state is asked for: it may have stopped the arm.
-const SUSPICIOUS_MISSES: u32 = 2;
-
 /// The arm is taken to stand so many filter times after its target does, and so many cycles more.
 const SETTLING_FILTERS: f64 = 5.0;
 const SETTLING_CYCLES: u32 = 10;
@@ -38,7 +32,6 @@ pub(super) struct Cycle {
     aim: Option<Aim>,
     /// Whether the last request has been answered.
     answered: bool,
-    misses: u32,
     lost_since_ns: u64,
     /// Cycles for which the target has stood.
     still: u32,
@@ -59,13 +52,12 @@ impl Cycle {
             board.alive_ns = now_ns;
         }
         Self {
-            pace: Pace::new(settings.cycle_ns(), settings.timeout_cycles, now_ns),
+            pace: Pace::new(settings.cycle_ns(), now_ns),
             shaper: Shaper::new(settings.cycle_s, settings.jerk),
             phase: Phase::Watching,
             latest: first,
             aim: None,
             answered: true,
-            misses: 0,
             lost_since_ns: 0,
             still: 0,
             settings,
@@ -76,39 +68,29 @@ impl Cycle {
 
     /// One cycle; false when the session is over.
     pub(super) fn step(&mut self) -> bool {
-        let ready_ns = self.await_reply();
+        self.await_reply();
         let now_ns = monotonic_ns();
-        let sent_before_ns = self.pace.sent_ns();
-        let departure = self.pace.depart(now_ns, ready_ns);
-        let missed = !self.answered && self.phase != Phase::Lost;
-        self.misses = if missed { self.misses + 1 } else { 0 };
-        let held_ns = if missed {
-            // Whether the last target came through is not known; if not, the controller holds the
-            // one before.
-            now_ns - sent_before_ns
-        } else {
-            departure.held_ns
-        };
-        self.lag_behind(held_ns);
+        let reply_ns = self.answered.then_some(self.latest.time_ns);
+        let departure = self.pace.depart(now_ns, reply_ns, !self.phase.commands());
+        self.lag_behind(departure.held_ns);
 
         let shared = self.board.clone();
         let mut board = shared.lock();
-        board.stats.misses += u64::from(missed);
         if self.phase != Phase::Lost {
             board.stats.lateness.record(departure.late_ns);
+            board.stats.misses += u64::from(!self.answered);
         }
-        let wanted = self.decide(&mut board, now_ns, held_ns);
-        if self.phase.commands() && !missed {
-            self.advance(&mut board, &wanted);
+        let wanted = self.decide(&mut board, now_ns, departure.held_ns);
+        if self.phase.commands() {
+            self.advance(&mut board, &wanted, now_ns);
         }
         self.publish(&mut board, now_ns);
         drop(board);
         self.send()
     }
 
-    /// Waits for the reply to the last request and for the next one's due time. When nothing was
-    /// left to wait for but that time.
-    fn await_reply(&mut self) -> u64 {
+    /// Waits for the reply to the last request and for the next one's due time.
+    fn await_reply(&mut self) {
         loop {
             let until_ns = if self.answered {
                 self.pace.due_ns()
@@ -119,11 +101,7 @@ impl Cycle {
                 self.receive();
             }
             if monotonic_ns() >= until_ns {
-                return if self.answered {
-                    self.latest.time_ns
-                } else {
-                    until_ns
-                };
+                return;
             }
         }
     }
@@ -141,6 +119,11 @@ impl Cycle {
         }
     }
 
+    /// How long ago the newest reply came.
+    fn silence_ns(&self, now_ns: u64) -> u64 {
+        now_ns.saturating_sub(self.latest.time_ns)
+    }
+
     /// A controller without a new target lets the arm come to rest on the last one, by its filter;
     /// to go on from less speed than that would be a jump.
     fn lag_behind(&mut self, held_ns: u64) {
@@ -154,9 +137,10 @@ impl Cycle {
     /// The phase of this cycle, and the velocity wanted in it.
     fn decide(&mut self, board: &mut Board, now_ns: u64, held_ns: u64) -> Motion {
         let before = self.phase;
-        if self.misses == SUSPICIOUS_MISSES {
-            board.state_wanted = true;
-        }
+        let silence_ns = self.silence_ns(now_ns);
+        let silent = silence_ns > self.settings.silent_ns;
+        // The controller may have stopped the arm.
+        board.state_wanted |= silent && before != Phase::Lost;
         if before == Phase::Lost && now_ns - self.lost_since_ns > self.settings.relink_ns {
             let seconds = self.settings.relink_ns as f64 * 1e-9;
             board.fail(Fault::link(format!(
@@ -168,7 +152,8 @@ impl Cycle {
             ordered: order.is_some(),
             at_rest: self.shaper.is_at_rest(),
             settled: self.is_settled(),
-            lost: self.is_lost(held_ns),
+            silent,
+            lost: silence_ns.max(held_ns) > self.settings.lost_ns,
             relinked: self.latest.time_ns > self.lost_since_ns
                 && board.permitted_ns > self.lost_since_ns,
             fault: board.fault.as_ref().map(|fault| fault.kind),
@@ -195,13 +180,6 @@ impl Cycle {
         board.order
     }
 
-    fn is_lost(&self, held_ns: u64) -> bool {
-        let settings = &self.settings;
-        let patience = f64::from(settings.lost_misses) * settings.timeout_cycles;
-        let patience_ns = (patience * settings.cycle_ns() as f64) as u64;
-        self.phase != Phase::Lost && (self.misses >= settings.lost_misses || held_ns > patience_ns)
-    }
-
     fn is_settled(&self) -> bool {
         let cycles = SETTLING_FILTERS * self.settings.filter_s / self.settings.cycle_s;
         self.still >= cycles as u32 + SETTLING_CYCLES
@@ -222,12 +200,14 @@ impl Cycle {
                 board.state_wanted = true;
             }
             Phase::Watching => {
-                crate::log::say(
-                    "link",
-                    "the link to MXT is made again; the arm stays at rest",
-                );
-                self.misses = 0;
-                board.stats.relinks += 1;
+                self.aim = None;
+                if before == Phase::Lost {
+                    crate::log::say(
+                        "link",
+                        "the link to MXT is made again; the arm stays at rest",
+                    );
+                    board.stats.relinks += 1;
+                }
             }
             Phase::Following if self.aim.is_none() => {
                 self.aim = Some(Aim::at(&self.latest, &self.settings.frames));
@@ -257,9 +237,6 @@ impl Cycle {
         self.link
             .send(command, target.filter(|_| command == Command::Move));
         self.answered = false;
-        if self.phase == Phase::Lost {
-            self.pace.pause(monotonic_ns(), KNOCK_NS);
-        }
         self.phase != Phase::Ended
     }
 }

@@ -36,7 +36,9 @@ pub struct Inputs {
     pub at_rest: bool,
     /// And has stood so long that the arm does too.
     pub settled: bool,
-    /// So many requests were missed, or the thread stood so long, that the link is lost.
+    /// No reply has come for some cycles.
+    pub silent: bool,
+    /// None for so long, or the thread stood so long, that the link is lost.
     pub lost: bool,
     /// The controller answers again and says that it may move.
     pub relinked: bool,
@@ -63,7 +65,10 @@ impl Phase {
         match self {
             Self::Lost if inputs.relinked => Self::Watching,
             Self::Lost => Self::Lost,
-            _ if inputs.ordered => Self::Following,
+            // A target that may never have come through is not sent again: the next reply says where
+            // to begin.
+            Self::Holding if inputs.silent => Self::Watching,
+            _ if inputs.ordered && !inputs.silent => Self::Following,
             Self::Following => Self::Braking,
             Self::Braking if inputs.at_rest => Self::Holding,
             other => other,
@@ -97,6 +102,7 @@ mod tests {
         let nothing = |_: &mut Inputs| {};
         let at_rest = |inputs: &mut Inputs| inputs.at_rest = true;
         let settled = |inputs: &mut Inputs| (inputs.at_rest, inputs.settled) = (true, true);
+        let silent = |inputs: &mut Inputs| (inputs.silent, inputs.ordered) = (true, true);
         let lost = |inputs: &mut Inputs| (inputs.lost, inputs.ordered) = (true, true);
         let relinked = |inputs: &mut Inputs| (inputs.relinked, inputs.ordered) = (true, true);
         let safety =
@@ -106,7 +112,7 @@ mod tests {
         let closed = |inputs: &mut Inputs| {
             (inputs.closing, inputs.at_rest, inputs.settled) = (true, true, true)
         };
-        let cases: [Case; 9] = [
+        let cases: [Case; 10] = [
             // From Watching, Following, Braking, Holding, Lost, Ended.
             (
                 "ordered",
@@ -127,6 +133,11 @@ mod tests {
                 "settled",
                 settled,
                 [Watching, Braking, Holding, Holding, Lost, Ended],
+            ),
+            (
+                "silent",
+                silent,
+                [Watching, Braking, Braking, Watching, Lost, Ended],
             ),
             ("lost", lost, [Lost, Lost, Lost, Lost, Lost, Ended]),
             (
@@ -156,7 +167,7 @@ mod tests {
 
     #[test]
     fn nothing_follows_an_end_or_commands_in_a_lost_link() {
-        for bits in 0..128_u32 {
+        for bits in 0..256_u32 {
             let bit = |index: u32| bits & (1 << index) != 0;
             let inputs = Inputs {
                 ordered: bit(0),
@@ -166,6 +177,7 @@ mod tests {
                 relinked: bit(4),
                 fault: bit(5).then_some(FaultKind::Driver),
                 closing: bit(6),
+                silent: bit(7),
             };
             assert_eq!(Ended.next(&inputs), Ended, "{inputs:?}");
             assert!(!Lost.next(&inputs).commands(), "{inputs:?}");

@@ -35,8 +35,10 @@ pub struct MotionSettings {
     pub jerk: Bounds,
     /// Greatest lead of the target over the arm, m and rad.
     pub lead: Bounds,
-    pub timeout_cycles: f64,
-    pub lost_misses: u32,
+    /// Without a reply for so long the arm is brought to rest, ns.
+    pub silent_ns: u64,
+    /// And for so long the link is lost, ns.
+    pub lost_ns: u64,
     pub relink_ns: u64,
 }
 
@@ -79,8 +81,8 @@ impl MotionSettings {
                 linear: params.lead_m,
                 angular: params.lead_rad,
             },
-            timeout_cycles: params.receive_timeout_cycles,
-            lost_misses: params.link_lost_misses,
+            silent_ns: s_ns(params.receive_timeout_cycles * params.cycle_s()),
+            lost_ns: s_ns(f64::from(params.link_lost_misses) * params.cycle_s()),
             relink_ns: s_ns(params.relink_s),
         }
     }

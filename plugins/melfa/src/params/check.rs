@@ -65,7 +65,7 @@ fn ranges(p: &Params) -> Vec<(&'static str, f64, f64, f64)> {
         (
             "link_lost_misses",
             f64::from(p.link_lost_misses),
-            2.0,
+            5.0,
             1000.0,
         ),
         ("relink_s", p.relink_s, 0.0, 60.0),

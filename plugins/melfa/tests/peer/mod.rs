@@ -42,7 +42,7 @@ pub struct State {
     pub mxt_answers: bool,
     /// Its feedback follows the targets.
     pub follows: bool,
-    /// How many replies in 256 are kept back, and how many requests are not seen.
+    /// How many replies in 256 are kept back, and how many requests are logged but not heard.
     pub lose_replies: u32,
     pub lose_requests: u32,
     /// Each reply is sent so many times; short and foreign packets go before it.
@@ -50,7 +50,7 @@ pub struct State {
     pub garbage: bool,
     /// Replies are sent so much later.
     pub delay: Duration,
-    /// All requests that were seen.
+    /// All requests that came.
     pub log: Vec<Seen>,
     /// Held target and feedback.
     pub target: Target,

@@ -106,7 +106,7 @@ pub fn serve_mxt(socket: &UdpSocket, state: &Mutex<State>, over: &AtomicBool) {
         let seconds = (now - last).as_secs_f32();
         follow(&mut state, seconds);
         last = now;
-        if length != LENGTH || !state.is_running() || draw(&mut seed) < state.lose_requests {
+        if length != LENGTH || !state.is_running() {
             continue;
         }
         let command = u16_at(&bytes, 0);
@@ -121,6 +121,9 @@ pub fn serve_mxt(socket: &UdpSocket, state: &Mutex<State>, over: &AtomicBool) {
             target,
             posture,
         });
+        if draw(&mut seed) < state.lose_requests {
+            continue;
+        }
         match command {
             1 => {
                 assert_eq!(

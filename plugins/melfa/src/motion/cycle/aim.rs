@@ -14,7 +14,10 @@ use crate::target::{apart, moved, written};
 use crate::twist::Motion;
 
 /// A command this near to where the arm is counts as the command that holds it there: m and rad.
-const NEAR: (f64, f64) = (0.003, 0.02);
+const NEAR: (f64, f64) = (0.004, 0.02);
+
+/// A command this near to the target sent last is that target: m and rad.
+const SAME: (f64, f64) = (2e-6, 2e-5);
 
 /// Where the arm shall be.
 pub(super) struct Aim {
@@ -77,7 +80,8 @@ impl Cycle {
     }
 
     /// Moves the target on by one cycle.
-    pub(super) fn advance(&mut self, board: &mut Board, wanted: &Motion) {
+    pub(super) fn advance(&mut self, board: &mut Board, wanted: &Motion, now_ns: u64) {
+        self.back_to_what_came_through(board, now_ns);
         let settings = &self.settings;
         let bounds = match self.phase {
             Phase::Following => &settings.acceleration,
@@ -106,6 +110,32 @@ impl Cycle {
         let arm = settings.frames.to_engine(&self.latest.isometry());
         let (metres, radians) = apart(&aim.pose, &arm);
         self.check_lead(board, metres, radians);
+    }
+
+    /// Where no replies come, the monitor may tell that the targets do not come through either: the
+    /// command that the controller has stands, though newer ones were sent. The arm has come to rest
+    /// on it, so the target goes back to it: what was not carried out is not caught up.
+    fn back_to_what_came_through(&mut self, board: &Board, now_ns: u64) {
+        let settings = &self.settings;
+        if self.silence_ns(now_ns) <= settings.silent_ns {
+            return;
+        }
+        let (Some(aim), Some(commanded)) = (&self.aim, &board.commanded) else {
+            return;
+        };
+        let cycle_ns = settings.cycle_ns();
+        let told_ns = now_ns.saturating_sub(commanded.time_ns);
+        let stands_ns = commanded.time_ns.saturating_sub(commanded.since_ns);
+        let (metres, radians) = apart(&commanded.pose.isometry(), &aim.sent.isometry());
+        let differs = metres > SAME.0 || radians > SAME.1;
+        let near = metres < NEAR.0 && radians < NEAR.1;
+        if told_ns < 2 * cycle_ns && stands_ns > cycle_ns + cycle_ns / 2 && differs && near {
+            self.lag_behind(stands_ns);
+            if let Some(aim) = &mut self.aim {
+                aim.pose = self.settings.frames.to_engine(&commanded.pose.isometry());
+                aim.sent = commanded.pose;
+            }
+        }
     }
 
     /// The target must not run away from an arm that does not follow.

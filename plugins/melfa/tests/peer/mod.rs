@@ -110,6 +110,11 @@ impl State {
 /// One controller at a time: the driver's cycle needs its share of the machine.
 static ALONE: Mutex<()> = Mutex::new(());
 
+/// Waits for the machine.
+pub fn alone() -> MutexGuard<'static, ()> {
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// The controller. It ends when dropped.
 pub struct Peer {
     _alone: MutexGuard<'static, ()>,
@@ -123,7 +128,7 @@ pub struct Peer {
 
 impl Peer {
     pub fn start(state: State) -> Self {
-        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        let alone = alone();
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let mxt = UdpSocket::bind("127.0.0.1:0").unwrap();
         let monitor = UdpSocket::bind("127.0.0.1:0").unwrap();

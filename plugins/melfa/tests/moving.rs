@@ -53,11 +53,18 @@ fn steps(moves: &[Seen]) -> Vec<f64> {
 /// Quanta of 1e-3 mm make steps uncertain by one, and rates of change by two, per cycle.
 const QUANTUM_M: f64 = 1e-6;
 
-/// Greatest change of the step, as an acceleration.
+/// Greatest change of the step, as an acceleration. Where the machine kept the driver waiting for a
+/// cycle the arm has slowed down meanwhile, and the driver goes on from there: not counted.
 fn greatest_acceleration(moves: &[Seen]) -> f64 {
-    let steps = steps(moves);
-    let changes = steps.windows(2).map(|pair| (pair[1] - pair[0]).abs());
-    (changes.fold(0.0, f64::max) - 2.0 * QUANTUM_M).max(0.0) / (CYCLE_S * CYCLE_S)
+    let mut greatest: f64 = 0.0;
+    for triple in moves.windows(3) {
+        let waited = (triple[2].at - triple[1].at).max(triple[1].at - triple[0].at);
+        if waited.as_secs_f64() < 1.9 * CYCLE_S {
+            let steps = steps(triple);
+            greatest = greatest.max((steps[1] - steps[0]).abs());
+        }
+    }
+    (greatest - 2.0 * QUANTUM_M).max(0.0) / (CYCLE_S * CYCLE_S)
 }
 
 #[test]
@@ -134,7 +141,11 @@ fn a_stop_and_a_close_ramp_down() {
             (4..=7).contains(&ramp),
             "close {close}: {ramp} cycles from full speed to rest"
         );
-        assert!(greatest_acceleration(&moves) <= 5.0 * 1.001);
+        let acceleration = greatest_acceleration(&moves);
+        assert!(
+            acceleration <= 5.0 * 1.001,
+            "close {close}: {acceleration} m/s²"
+        );
     }
 }
 

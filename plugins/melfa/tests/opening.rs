@@ -71,6 +71,7 @@ fn a_program_that_is_missing_is_written() {
         refusal.contains("`PUBS` cannot be started") && refusal.contains("101"),
         "{refusal}"
     );
+    drop(peer);
     let peer = Peer::start(missing);
     drop(Melfa::open(&peer.setup(json!({ "filter_ms": 12.0 }))).unwrap());
     let state = peer.state();

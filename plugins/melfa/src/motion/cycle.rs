@@ -127,7 +127,7 @@ impl Cycle {
     /// A controller without a new target lets the arm come to rest on the last one, by its filter;
     /// to go on from less speed than that would be a jump.
     fn lag_behind(&mut self, held_ns: u64) {
-        if held_ns > self.settings.cycle_ns() / 2 {
+        if held_ns >= self.settings.cycle_ns() {
             let filter_s = self.settings.filter_s.max(LEAST_FILTER_S);
             self.shaper
                 .lag_behind((-(held_ns as f64) * 1e-9 / filter_s).exp());

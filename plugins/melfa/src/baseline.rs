@@ -4,7 +4,7 @@ use std::fmt;
 
 use nalgebra::Vector3;
 
-use crate::params::Params;
+use crate::params::{Params, Zero};
 use crate::wrench::Wrench;
 
 /// Beyond this share of its range a sensor is saturated.
@@ -29,6 +29,8 @@ pub struct Baseline {
 /// What is refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BaselineLimits {
+    /// Of a force that is taken for zero, N.
+    pub load_n: f64,
     /// N.
     pub noise_n: f64,
     /// N/s.
@@ -56,6 +58,10 @@ pub enum BaselineFault {
         unit: &'static str,
     },
     #[error(
+        "the resting force is {size_n:.1} N, too much to be taken for zero (baseline_load_n = {limit_n}): take the load off, or let the controller compensate the gripper's weight"
+    )]
+    Loaded { size_n: f64, limit_n: f64 },
+    #[error(
         "the resting force scatters by {noise_n:.2} N (baseline_noise_n = {limit_n}): keep the arm still, check cable and shield"
     )]
     Noisy { noise_n: f64, limit_n: f64 },
@@ -69,6 +75,11 @@ impl BaselineLimits {
     /// As the parameters say.
     pub fn new(params: &Params) -> Self {
         Self {
+            load_n: match params.zero {
+                Zero::Resting => params.baseline_load_n,
+                // The grasp may hold a door against its spring.
+                Zero::Given => f64::INFINITY,
+            },
             noise_n: params.baseline_noise_n,
             drift_n_s: params.baseline_drift_n_s,
             force_range_n: params.force_range_n,
@@ -115,6 +126,11 @@ impl Baseline {
             if !matches!(size, size if size < SATURATED * range) {
                 return Err(BaselineFault::Saturated { size, range, unit });
             }
+        }
+        let size_n = self.mean.force.norm();
+        if !matches!(size_n, size if size <= limits.load_n) {
+            let limit_n = limits.load_n;
+            return Err(BaselineFault::Loaded { size_n, limit_n });
         }
         let Self {
             noise_n, drift_n_s, ..
@@ -167,6 +183,7 @@ mod tests {
     use super::*;
 
     const LIMITS: BaselineLimits = BaselineLimits {
+        load_n: 20.0,
         noise_n: 0.5,
         drift_n_s: 2.0,
         force_range_n: 200.0,
@@ -211,6 +228,11 @@ mod tests {
             baseline.check(&LIMITS)
         };
         assert_eq!(found(&|_| 12.0), Ok(()));
+        let loaded = found(&|_| -21.0);
+        assert!(
+            matches!(loaded, Err(BaselineFault::Loaded { .. })),
+            "{loaded:?}"
+        );
         let noisy = found(&|index| if index % 2 == 0 { 1.0 } else { -1.0 });
         assert!(
             matches!(noisy, Err(BaselineFault::Noisy { .. })),

@@ -8,7 +8,7 @@ use crate::baseline::{Baseline, BaselineLimits};
 use crate::board::{Board, Order, Shared, Timed};
 use crate::frames::parts;
 use crate::motion::Phase;
-use crate::params::{ForceSource, Params, SCHEMA, ms_ns, s_ns};
+use crate::params::{ForceSource, Params, SCHEMA, Zero, ms_ns, s_ns};
 use crate::prepare::{self, prepare};
 use crate::session::Session;
 use crate::stats::Stats;
@@ -137,13 +137,12 @@ impl Driver for Melfa {
     fn open(setup: &DriverSetup) -> Result<Self, PluginError> {
         let params = Params::from_driver_table(&setup.driver)?;
         let ready = prepare(&params, setup)?;
-        let offset = if params.tare_at_open {
-            ready.resting
-        } else {
-            Wrench {
+        let offset = match params.zero {
+            Zero::Resting => ready.resting,
+            Zero::Given => Wrench {
                 force: params.force_offset_n.into(),
                 torque: params.torque_offset_nm.into(),
-            }
+            },
         };
         let board = Shared::default();
         let session = Session::start(ready, &params, setup, board.clone())?;
@@ -223,12 +222,13 @@ impl Driver for Melfa {
             return Err("tare needs an arm at rest, but it moves".into());
         }
         let samples = self.watch_sensor()?;
-        let baseline = Baseline::of(&samples, self.params.baseline_s);
         let limits = BaselineLimits::new(&self.params);
-        let baseline = baseline.and_then(|baseline| baseline.check(&limits).map(|()| baseline));
-        self.offset = baseline
-            .map_err(|fault| PluginError::new(format!("tare: {fault}")))?
-            .mean;
+        let baseline = Baseline::of(&samples, self.params.baseline_s)
+            .and_then(|baseline| baseline.check(&limits).map(|()| baseline))
+            .map_err(|fault| PluginError::new(format!("tare: {fault}")))?;
+        if self.params.zero == Zero::Resting {
+            self.offset = baseline.mean;
+        }
         Ok(())
     }
 

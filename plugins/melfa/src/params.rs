@@ -7,7 +7,7 @@ use pubs_plugin::PluginError;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-pub use choices::{ControllerPose, ForceSource, SignedAxis, Terminator, Upload};
+pub use choices::{ControllerPose, ForceSource, SignedAxis, Terminator, Upload, Zero};
 
 /// JSON Schema of [`Params`]: descriptions and defaults of all of them.
 pub const SCHEMA: &str = include_str!("params.schema.json");
@@ -40,8 +40,9 @@ pub struct Params {
     pub torque_offset_nm: [f64; 3],
     pub force_range_n: f64,
     pub torque_range_nm: f64,
-    pub tare_at_open: bool,
+    pub zero: Zero,
     pub baseline_s: f64,
+    pub baseline_load_n: f64,
     pub baseline_noise_n: f64,
     pub baseline_drift_n_s: f64,
 
@@ -116,8 +117,9 @@ impl Default for Params {
             torque_offset_nm: [0.0; 3],
             force_range_n: 200.0,
             torque_range_nm: 4.0,
-            tare_at_open: false,
+            zero: Zero::Resting,
             baseline_s: 0.5,
+            baseline_load_n: 20.0,
             baseline_noise_n: 0.75,
             baseline_drift_n_s: 2.0,
             controller_pose: ControllerPose::Tool,

@@ -434,6 +434,12 @@ fn a_tare_takes_the_resting_force_for_zero_and_refuses_motion() {
     for (found, expected) in force.iter().zip([0.5, 0.0, 0.0]) {
         assert!((found - expected).abs() < 1e-6, "{force:?}");
     }
+    // With a given zero it only looks.
+    drop(arm);
+    let given = json!({ "zero": "given", "force_offset_n": [1.0, 0.0, 0.0] });
+    let mut arm = Melfa::open(&peer.setup(given)).unwrap();
+    arm.tare().unwrap();
+    assert_eq!(arm.read().unwrap().force_n, [0.5, -2.0, 3.0]);
     peer.state().drift_n_per_packet = 0.012;
     let refused = arm.tare().unwrap_err().to_string();
     assert!(refused.contains("drifts by"), "{refused}");

@@ -11,7 +11,9 @@ use serde_json::{Value, json};
 #[test]
 fn a_ready_controller_is_opened_and_nothing_moves() {
     let peer = Peer::start(State::default());
-    let mut arm = Melfa::open(&peer.setup(json!({ "force_offset_n": [1.0, -2.0, 2.0] }))).unwrap();
+    let mut arm =
+        Melfa::open(&peer.setup(json!({ "zero": "given", "force_offset_n": [1.0, -2.0, 2.0] })))
+            .unwrap();
     assert_eq!(arm.sensor(), "1f-fs001-w200");
     std::thread::sleep(std::time::Duration::from_millis(100));
     let reading = arm.read().unwrap();
@@ -248,7 +250,8 @@ fn force_can_be_read_over_r3_or_not_at_all() {
     };
     for (source, force) in [("r3", [1.0, -2.0, 3.0]), ("none", [0.0; 3])] {
         let peer = Peer::start(quiet.clone());
-        let mut arm = Melfa::open(&peer.setup(json!({ "force_source": source }))).unwrap();
+        let mut arm =
+            Melfa::open(&peer.setup(json!({ "force_source": source, "zero": "given" }))).unwrap();
         std::thread::sleep(std::time::Duration::from_millis(200));
         assert_eq!(arm.read().unwrap().force_n, force, "{source}");
     }

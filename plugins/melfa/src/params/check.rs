@@ -31,6 +31,7 @@ fn ranges(p: &Params) -> Vec<(&'static str, f64, f64, f64)> {
         ("force_range_n", p.force_range_n, 1.0, 10_000.0),
         ("torque_range_nm", p.torque_range_nm, 0.1, 1000.0),
         ("baseline_s", p.baseline_s, 0.3, 10.0),
+        ("baseline_load_n", p.baseline_load_n, 0.1, 1000.0),
         ("baseline_noise_n", p.baseline_noise_n, 0.001, 50.0),
         ("baseline_drift_n_s", p.baseline_drift_n_s, 0.001, 50.0),
         ("acceleration_m_s2", p.acceleration_m_s2, 0.05, 10.0),

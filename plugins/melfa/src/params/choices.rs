@@ -15,6 +15,17 @@ pub enum ForceSource {
     None,
 }
 
+/// What counts as no force.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Zero {
+    /// What the sensor shows at rest, at the opening and at each tare.
+    Resting,
+    /// The offsets among the parameters, measured before contact; a tare only looks whether the
+    /// sensor is quiet.
+    Given,
+}
+
 /// What the controller's poses are of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -161,8 +161,8 @@ fn judge(report: &mut Report, params: &Params, samples: &[Wrench]) -> Option<Bas
             report.ok(
                 NAME,
                 format!(
-                    "{baseline}; if nothing is held, take it off with force_offset_n = [{:.2}, {:.2}, {:.2}], \
-                     torque_offset_nm = [{:.3}, {:.3}, {:.3}]",
+                    "{baseline}; if nothing is held, zero = given with force_offset_n = [{:.2}, {:.2}, {:.2}], \
+                     torque_offset_nm = [{:.3}, {:.3}, {:.3}] takes it off for later sessions",
                     force.x, force.y, force.z, torque.x, torque.y, torque.z
                 ),
             );
@@ -178,6 +178,9 @@ fn judge(report: &mut Report, params: &Params, samples: &[Wrench]) -> Option<Bas
 fn cure(fault: &BaselineFault) -> &'static str {
     match fault {
         BaselineFault::Few { .. } => "see that the stream has one packet per cycle",
+        BaselineFault::Loaded { .. } => {
+            "or take off what the sensor shows of nothing (zero = given, force_offset_n)"
+        }
         BaselineFault::Saturated { .. } => "nothing moves with a saturated sensor",
         BaselineFault::Noisy { .. } | BaselineFault::Drifting { .. } => {
             "wait and begin again; if it stays, see the guide's section on the force sensor"

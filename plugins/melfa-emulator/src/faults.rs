@@ -1,184 +1,11 @@
-//! Faults on demand: what can be asked over the control socket and in a scenario.
+//! The faults there are, and how one comes and goes.
 
 use nalgebra::Vector3;
-use serde::Deserialize;
 
 use crate::alarm::{self, Alarm};
 use crate::controller::Controller;
+use crate::fault::{Cuts, Direction, Fault, Losses, R3State, Service};
 use crate::link::{Delay, Drop, LinkFaults, Short, Timed};
-use crate::options::Mode;
-
-/// Which UDP service.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Service {
-    /// External control.
-    #[default]
-    Mxt,
-    /// The real-time monitor.
-    Monitor,
-    /// Both.
-    Both,
-}
-
-impl Service {
-    /// Indices of [`Faults::links`].
-    pub fn indices(self) -> &'static [usize] {
-        match self {
-            Self::Mxt => &[0],
-            Self::Monitor => &[1],
-            Self::Both => &[0, 1],
-        }
-    }
-}
-
-/// Which way.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Direction {
-    /// From the client.
-    ToController,
-    /// To the client.
-    ToClient,
-    /// Both.
-    #[default]
-    Both,
-}
-
-impl Direction {
-    /// Indices of a service's pair of links.
-    pub fn indices(self) -> &'static [usize] {
-        match self {
-            Self::ToController => &[0],
-            Self::ToClient => &[1],
-            Self::Both => &[0, 1],
-        }
-    }
-}
-
-/// How R3 behaves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum R3State {
-    /// Connections are closed; new ones are taken.
-    Close,
-    /// Connections are closed, new ones refused.
-    Refuse,
-    /// New ones are taken again.
-    Accept,
-}
-
-/// A fault, or its end. See the README for what each does.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
-#[allow(missing_docs)]
-pub enum Fault {
-    Clear,
-    Drop {
-        probability: f64,
-        #[serde(default = "one")]
-        burst: u32,
-        #[serde(default)]
-        service: Service,
-        #[serde(default)]
-        direction: Direction,
-        seconds: Option<f64>,
-    },
-    Delay {
-        ms: f64,
-        #[serde(default)]
-        jitter_ms: f64,
-        #[serde(default)]
-        service: Service,
-        #[serde(default)]
-        direction: Direction,
-        seconds: Option<f64>,
-    },
-    Duplicate {
-        probability: f64,
-        #[serde(default)]
-        service: Service,
-        #[serde(default)]
-        direction: Direction,
-        seconds: Option<f64>,
-    },
-    Reorder {
-        probability: f64,
-        #[serde(default)]
-        service: Service,
-        #[serde(default)]
-        direction: Direction,
-        seconds: Option<f64>,
-    },
-    Short {
-        probability: f64,
-        #[serde(default = "hundred")]
-        bytes: usize,
-        #[serde(default)]
-        service: Service,
-        #[serde(default)]
-        direction: Direction,
-        seconds: Option<f64>,
-    },
-    Silent {
-        #[serde(default)]
-        service: Service,
-        seconds: Option<f64>,
-    },
-    Stranger {
-        #[serde(default = "one")]
-        count: u32,
-        #[serde(default)]
-        service: Service,
-    },
-    Alarm {
-        number: u32,
-        text: Option<String>,
-    },
-    EmergencyStop {
-        #[serde(default = "yes")]
-        pressed: bool,
-    },
-    ContactStop,
-    Mode {
-        mode: Mode,
-    },
-    R3 {
-        state: R3State,
-    },
-    Saturate {
-        limit_n: Option<f64>,
-    },
-    BiasStep {
-        force_n: [f64; 3],
-    },
-    BiasRate {
-        force_n_per_s: [f64; 3],
-    },
-    Slip,
-    Grasp,
-    Jam {
-        #[serde(default = "yes")]
-        jammed: bool,
-        seconds: Option<f64>,
-    },
-    Pull {
-        force_n: f64,
-        seconds: f64,
-    },
-}
-
-fn one() -> u32 {
-    1
-}
-
-fn hundred() -> usize {
-    100
-}
-
-fn yes() -> bool {
-    true
-}
 
 /// The faults there are.
 #[derive(Debug, Clone)]
@@ -269,57 +96,39 @@ impl Faults {
     /// Whether it was one of the links'.
     fn apply_to_links(&mut self, fault: &Fault, now_s: f64) -> bool {
         match *fault {
-            Fault::Drop {
-                probability,
-                burst,
-                service,
-                direction,
-                seconds,
-            } => {
-                let drop = timed(Drop { probability, burst }, now_s, seconds);
-                self.set(service, direction, |link| link.drop = drop);
+            Fault::Drop(losses) => {
+                let Losses {
+                    probability, burst, ..
+                } = losses;
+                let drop = timed(Drop { probability, burst }, now_s, losses.seconds);
+                self.set(losses.service, losses.direction, |link| link.drop = drop);
             }
-            Fault::Delay {
-                ms,
-                jitter_ms,
-                service,
-                direction,
-                seconds,
-            } => {
+            Fault::Delay(delays) => {
                 let delay = Delay {
-                    least_s: ms / 1000.0,
-                    most_s: (ms + jitter_ms) / 1000.0,
+                    least_s: delays.ms / 1000.0,
+                    most_s: (delays.ms + delays.jitter_ms) / 1000.0,
                 };
-                let delay = timed(delay, now_s, seconds);
-                self.set(service, direction, |link| link.delay = delay);
+                let delay = timed(delay, now_s, delays.seconds);
+                self.set(delays.service, delays.direction, |link| link.delay = delay);
             }
-            Fault::Duplicate {
-                probability,
-                service,
-                direction,
-                seconds,
-            } => {
-                let duplicate = timed(probability, now_s, seconds);
-                self.set(service, direction, |link| link.duplicate = duplicate);
+            Fault::Duplicate(disorder) => {
+                let duplicate = timed(disorder.probability, now_s, disorder.seconds);
+                self.set(disorder.service, disorder.direction, |link| {
+                    link.duplicate = duplicate;
+                });
             }
-            Fault::Reorder {
-                probability,
-                service,
-                direction,
-                seconds,
-            } => {
-                let reorder = timed(probability, now_s, seconds);
-                self.set(service, direction, |link| link.reorder = reorder);
+            Fault::Reorder(disorder) => {
+                let reorder = timed(disorder.probability, now_s, disorder.seconds);
+                self.set(disorder.service, disorder.direction, |link| {
+                    link.reorder = reorder;
+                });
             }
-            Fault::Short {
-                probability,
-                bytes,
-                service,
-                direction,
-                seconds,
-            } => {
-                let short = timed(Short { probability, bytes }, now_s, seconds);
-                self.set(service, direction, |link| link.short = short);
+            Fault::Short(cuts) => {
+                let Cuts {
+                    probability, bytes, ..
+                } = cuts;
+                let short = timed(Short { probability, bytes }, now_s, cuts.seconds);
+                self.set(cuts.service, cuts.direction, |link| link.short = short);
             }
             Fault::Silent { service, seconds } => {
                 let silent = timed((), now_s, seconds);

@@ -14,6 +14,9 @@ const PAUSE: Duration = Duration::from_millis(12);
 /// After this silence anything does.
 const LONG_PAUSE: Duration = Duration::from_millis(1000);
 
+/// So much without an end is whole at once: no request is as long.
+const LONGEST: usize = 4096;
+
 /// A request and how it ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Framed {
@@ -55,13 +58,13 @@ impl Framing {
             }
         }
         let silence = now.saturating_duration_since(self.newest?);
-        if self.bytes.is_empty() || silence < PAUSE {
+        if self.bytes.is_empty() || silence < PAUSE && self.bytes.len() < LONGEST {
             return None;
         }
         let text = String::from_utf8_lossy(&self.bytes).into_owned();
         let first = first_of_joined(&text);
         let whole = first < text.len() || command::is_known(&text);
-        if !whole && silence < LONG_PAUSE {
+        if !whole && silence < LONG_PAUSE && text.len() < LONGEST {
             return None;
         }
         let text = self.take(first);
@@ -107,9 +110,12 @@ mod tests {
         found
     }
 
+    /// Texts at times, ms.
+    type Timed<'a> = &'a [(u64, &'a str)];
+
     #[test]
     fn requests_are_whole_at_their_end_or_after_a_pause() {
-        let cases: [(&[(u64, &str)], &[(u64, &str)]); 9] = [
+        let cases: [(Timed, Timed); 9] = [
             (&[(0, "1;1;DSTATE\r")], &[(0, "1;1;DSTATE")]),
             (&[(0, "1;1;DSTATE\r\n")], &[(0, "1;1;DSTATE")]),
             (&[(0, "1;1;DSTATE\0")], &[(0, "1;1;DSTATE")]),

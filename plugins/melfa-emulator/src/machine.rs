@@ -2,11 +2,15 @@
 
 use std::net::SocketAddr;
 
+use serde::Deserialize;
 use serde_json::{Value, json};
 
+use crate::build::build;
 use crate::controller::{Asked, Controller, Servo};
-use crate::faults::{Fault, Faults};
+use crate::fault::Fault;
+use crate::faults::Faults;
 use crate::monitor::Monitor;
+use crate::options::Options;
 use crate::scenario::Scenario;
 
 /// How far the cycle is behind the clock.
@@ -33,7 +37,20 @@ pub struct Machine {
     pub client: Option<SocketAddr>,
     /// How well it keeps its cycle.
     pub pacing: Pacing,
+    options: Options,
     first_motion_s: Option<f64>,
+}
+
+/// Another start.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Place {
+    #[serde(rename = "do")]
+    _what: String,
+    /// As a fraction of the range; drawn from the seed where left out.
+    start: Option<f64>,
+    /// Of the start and the sensor's noise; the option's where left out.
+    seed: Option<u64>,
 }
 
 /// Packets by the address they go to.
@@ -41,7 +58,7 @@ pub type Packets = Vec<(SocketAddr, Vec<u8>)>;
 
 impl Machine {
     /// Nobody listens, nothing is wrong.
-    pub fn new(controller: Controller, scenario: Scenario) -> Self {
+    pub fn new(controller: Controller, scenario: Scenario, options: Options) -> Self {
         Self {
             controller,
             monitor: Monitor::default(),
@@ -49,6 +66,7 @@ impl Machine {
             scenario,
             client: None,
             pacing: Pacing::default(),
+            options,
             first_motion_s: None,
         }
     }
@@ -96,6 +114,10 @@ impl Machine {
                 self.pacing.worst_s = 0.0;
                 json!({ "ok": true })
             }
+            Some("place") => match self.place(value) {
+                Ok(()) => json!({ "ok": true }),
+                Err(error) => refused(&error),
+            },
             _ => match serde_json::from_value::<Fault>(value) {
                 Ok(fault) => {
                     self.faults.apply(&fault, &mut self.controller);
@@ -104,6 +126,29 @@ impl Machine {
                 Err(error) => refused(&error.to_string()),
             },
         }
+    }
+
+    /// Puts arm and object to another start, as at the beginning. Not while a program runs.
+    fn place(&mut self, value: Value) -> Result<(), String> {
+        let Place { start, seed, .. } =
+            serde_json::from_value(value).map_err(|error| error.to_string())?;
+        if !start.is_none_or(|start| (0.0..=1.0).contains(&start)) {
+            return Err("start should be from 0 to 1".to_owned());
+        }
+        if self.controller.task.is_running() || self.controller.motion.is_stopping() {
+            return Err("stop the program first".to_owned());
+        }
+        let options = Options {
+            start,
+            seed: seed.unwrap_or(self.options.seed),
+            program: None,
+            run: false,
+            scenario: None,
+            ..self.options.clone()
+        };
+        let (fresh, _) = build(&options).map_err(|error| error.to_string())?;
+        self.controller.put_back(fresh.controller);
+        Ok(())
     }
 
     /// The true state.

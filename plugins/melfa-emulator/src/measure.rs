@@ -86,8 +86,8 @@ impl Measure {
 
         let peaks = &mut self.peaks;
         let mut still = self.speed_m_s < REST_M_S;
-        for joint in 0..6 {
-            let rate = (joints[joint] - self.joints[joint]) / self.cycle_s;
+        for (joint, position) in joints.iter().enumerate() {
+            let rate = (position - self.joints[joint]) / self.cycle_s;
             let change = (rate - self.rates[joint]).abs() / self.cycle_s;
             raise(&mut peaks.joint_speed_rad_s[joint], rate.abs());
             raise(&mut peaks.joint_acceleration_rad_s2[joint], change);

@@ -38,10 +38,16 @@ impl Monitor {
                 };
                 self.subscriptions.insert(from, subscription);
             }
-            Ok(Request::End) => {
-                self.subscriptions.remove(&from);
-            }
+            Ok(Request::End) => self.end(from),
             Err(_) => {}
+        }
+    }
+
+    /// Ends the stream to this address; sent from another port, all streams to the same host.
+    fn end(&mut self, from: SocketAddr) {
+        if self.subscriptions.remove(&from).is_none() {
+            self.subscriptions
+                .retain(|address, _| address.ip() != from.ip());
         }
     }
 
@@ -50,7 +56,7 @@ impl Monitor {
         self.subscriptions.len()
     }
 
-    /// Whether anyone listens at this address.
+    /// Where they listen.
     pub fn addresses(&self) -> impl Iterator<Item = &SocketAddr> {
         self.subscriptions.keys()
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Deserialize;
 use toml::Value;
 
-use crate::faults::Fault;
+use crate::fault::Fault;
 
 /// What the time of an event counts from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
@@ -126,10 +126,24 @@ fn event(mut table: toml::Table) -> Result<Event, String> {
             .map_err(|error: toml::de::Error| error.to_string())?,
         None => Origin::default(),
     };
-    let fault = Value::Table(table)
+    let table = Value::Table(table);
+    if !is_finite(&table) {
+        return Err("a number is infinite or none".to_owned());
+    }
+    let fault = table
         .try_into()
         .map_err(|error: toml::de::Error| error.to_string())?;
     Ok(Event { at_s, after, fault })
+}
+
+/// TOML has numbers that no fault can have.
+fn is_finite(value: &Value) -> bool {
+    match value {
+        Value::Float(number) => number.is_finite(),
+        Value::Array(values) => values.iter().all(is_finite),
+        Value::Table(table) => table.values().all(is_finite),
+        _ => true,
+    }
 }
 
 #[cfg(test)]
@@ -170,6 +184,10 @@ mod tests {
             ("[[event]]\nat_s = -1.0\ndo = \"slip\"", "event 1: at_s"),
             ("[[event]]\nat_s = 1.0\ndo = \"fly\"", "fly"),
             ("[[event]]\nat_s = 1.0\ndo = \"pull\"\nforce = 3.0", "force"),
+            (
+                "[[event]]\nat_s = 1.0\ndo = \"pull\"\nforce_n = nan\nseconds = 1.0",
+                "a number",
+            ),
             ("[events]\n", "events"),
         ] {
             let refusal = refusal(text);

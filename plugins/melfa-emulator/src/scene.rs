@@ -166,6 +166,11 @@ impl Scene {
         &mut self.plant.disturbance
     }
 
+    /// How far the tool is from the handle, m.
+    pub fn handle_distance_m(&self) -> f64 {
+        self.plant.grasp_offset_m().norm()
+    }
+
     /// Whether the fingers hold the handle.
     pub fn is_held(&self) -> bool {
         !self.plant.disturbance.released

@@ -1,9 +1,12 @@
 //! Position data: three lengths, three angles, two extra axes and two words of flags.
 
+use std::f64::consts::FRAC_PI_2;
+
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
-/// Nearer than this to B = ±90°, where A and C turn about the same axis, A is taken as 0.
-const AT_RIGHT_ANGLE: f64 = 1e-9;
+/// Nearer than this to B = ±90°, where A and C turn about the same axis, A is taken as 0. The
+/// rounding of a packet is less, so that a tool which points level keeps its A and C in packets.
+const AT_RIGHT_ANGLE: f64 = 1e-6;
 
 /// A pose as the controller has it, its numbers in the units and precision of the packets.
 ///
@@ -70,6 +73,7 @@ pub fn angles_of(orientation: &UnitQuaternion<f64>) -> [f64; 3] {
     let level = matrix[(0, 0)].hypot(matrix[(1, 0)]);
     let b = (-matrix[(2, 0)]).atan2(level);
     if level < AT_RIGHT_ANGLE {
+        let b = FRAC_PI_2.copysign(b);
         return [0.0, b, (-matrix[(0, 1)]).atan2(matrix[(1, 1)])];
     }
     let a = matrix[(2, 1)].atan2(matrix[(2, 2)]);
@@ -88,7 +92,7 @@ pub fn quaternion_of(angles_rad: &[f64; 3]) -> UnitQuaternion<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::{FRAC_PI_2, PI};
+    use std::f64::consts::PI;
 
     /// Tool axes in the base, by hand: what R = Rz(C) Ry(B) Rx(A) does to x, y, z.
     #[test]
@@ -130,7 +134,7 @@ mod tests {
             let found = angles_of(&orientation);
             let error = orientation.angle_to(&quaternion_of(&found));
             assert!(
-                error < 5e-8,
+                error < 2e-7,
                 "{angles:?} came back as {found:?}, {error} rad off"
             );
             assert!(
@@ -147,6 +151,16 @@ mod tests {
         let found = angles_of(&quaternion_of(&[0.2, FRAC_PI_2, 0.9]));
         assert_eq!(found[0], 0.0, "A");
         assert!((found[2] - 0.7).abs() < 1e-9, "C = {}", found[2]);
+    }
+
+    #[test]
+    fn angles_at_the_right_angle_stay_the_same_from_packet_to_packet() {
+        let level = quaternion_of(&[0.0, -FRAC_PI_2, 2.618]);
+        let first = Pose::new(&Vector3::zeros(), &level);
+        let second = Pose::new(&Vector3::zeros(), &first.orientation());
+        for (a, b) in first.angles_rad.iter().zip(second.angles_rad) {
+            assert!((a - b).abs() < 1e-6, "{first:?} became {second:?}");
+        }
     }
 
     #[test]

@@ -94,6 +94,11 @@ impl Plant {
         (self.position_m, self.speed_m_s)
     }
 
+    /// Tool relative to the handle: along the path, lateral, vertical, m.
+    pub fn grasp_offset_m(&self) -> Vector3<f64> {
+        self.stretch(&self.geometry.handle(self.position_m))
+    }
+
     /// Whether nothing will change until the next command.
     pub fn is_at_rest(&self) -> bool {
         self.arm.is_at_rest() && self.speed_m_s.abs() < STILL_M_S

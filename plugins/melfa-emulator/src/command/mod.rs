@@ -2,8 +2,6 @@
 
 mod action;
 mod query;
-#[cfg(test)]
-mod tests;
 
 use pubs_melfa_protocol::r3::{LONGEST_REQUEST, Reply, Request};
 

@@ -1,15 +1,16 @@
 //! The controller: its state, and what a control cycle does.
 
+mod packets;
 mod program;
 mod status;
+mod stops;
+
+pub use packets::Asked;
 
 use std::collections::{BTreeMap, VecDeque};
-use std::net::SocketAddr;
 
-use pubs_melfa_protocol::mxt::{Io, Reply, Request};
-
-use crate::alarm::{Alarm, Severity};
-use crate::external::{External, Heard};
+use crate::alarm::Alarm;
+use crate::external::External;
 use crate::measure::Measure;
 use crate::motion::Motion;
 use crate::options::{Grasp, Mode, Posture};
@@ -24,6 +25,9 @@ const REMEMBERED_ALARMS: usize = 32;
 
 /// Output that closes the hand.
 const HAND_OUTPUT: u16 = 900;
+
+/// Fingers that close farther than this from the handle miss it, m.
+const FINGERS_M: f64 = 0.02;
 
 /// Slower than this a tool does not close its fingers by itself, m/s.
 const GRASPING_SPEED_M_S: f64 = 0.0005;
@@ -54,15 +58,6 @@ pub enum Servo {
     TurningOn(f64),
     /// On.
     On,
-}
-
-/// A packet that gets a reply at the end of the cycle.
-#[derive(Debug, Clone, Copy)]
-pub struct Asked {
-    /// Who asked.
-    pub by: SocketAddr,
-    request: Request,
-    count: u32,
 }
 
 /// The controller and the arm that it moves.
@@ -168,42 +163,6 @@ impl Controller {
         }
     }
 
-    /// Takes a packet of MXT. `None`: it gets no reply. What has not 196 bytes, is none of the
-    /// protocol's, comes from elsewhere or while no program is at an `Mxt` line, is passed over.
-    pub fn hear(&mut self, bytes: &[u8], from: SocketAddr) -> Option<Asked> {
-        let servo_on = self.servo_is_on();
-        let external = self.external.as_mut()?;
-        if external.peer != from.ip() {
-            return None;
-        }
-        let request = Request::decode(bytes).ok()?;
-        match external.hear(&request, servo_on, self.motion.joints()) {
-            Heard::Reply => {
-                let count = external.count;
-                self.write_outputs(&request.io);
-                Some(Asked {
-                    by: from,
-                    request,
-                    count,
-                })
-            }
-            Heard::End => {
-                self.end_external();
-                None
-            }
-            Heard::Alarm(alarm) => {
-                self.raise(alarm);
-                None
-            }
-        }
-    }
-
-    fn write_outputs(&mut self, io: &Io) {
-        if io.send == 1 {
-            self.set_outputs(io.first_bit, io.mask, io.data);
-        }
-    }
-
     /// Sets outputs; the hand is one of them.
     pub fn set_outputs(&mut self, first: u16, mask: u16, value: u16) {
         let before = self.outputs.is_on(HAND_OUTPUT);
@@ -214,9 +173,13 @@ impl Controller {
         }
     }
 
-    /// Closes or opens the fingers.
-    pub fn set_grasp(&mut self, held: bool) {
-        self.outputs.set_word(HAND_OUTPUT, 1, u16::from(held));
+    /// Closes or opens the fingers; away from the handle they close on nothing.
+    pub fn set_grasp(&mut self, closed: bool) {
+        self.outputs.set_word(HAND_OUTPUT, 1, u16::from(closed));
+        if closed {
+            self.settings.grasp = Grasp::Held;
+        }
+        let held = closed && self.scene.handle_distance_m() < FINGERS_M;
         let disturbance = self.scene.disturbance();
         if held && disturbance.released {
             disturbance.jammed = false;
@@ -224,30 +187,16 @@ impl Controller {
         disturbance.released = !held;
     }
 
-    /// What a packet asked for, as it is after the cycle; `None` where external control has ended.
-    pub fn reply(&self, asked: &Asked) -> Option<Reply> {
-        let external = self.external.as_ref()?;
-        let views = self.views();
-        let io = &asked.request.io;
-        Some(Reply {
-            command: asked.request.command as u16,
-            data: asked
-                .request
-                .receive
-                .map(|data_type| (data_type, views.data(data_type))),
-            io: Io {
-                send: io.receive,
-                first_bit: io.first_bit,
-                data: match io.receive {
-                    1 => self.outputs.word(io.first_bit),
-                    2 => self.inputs.word(io.first_bit),
-                    _ => 0,
-                },
-                ..Io::default()
-            },
-            timeout_count: external.timeout_count,
-            count: asked.count,
-        })
+    /// Takes arm and object from another controller, as they are there at the beginning; its own
+    /// state stays.
+    pub fn put_back(&mut self, fresh: Self) {
+        self.settings.grasp = fresh.settings.grasp;
+        self.motion = fresh.motion;
+        self.scene = fresh.scene;
+        self.measure = fresh.measure;
+        self.measure.last_motion_s = self.time_s;
+        let hand = fresh.outputs.word(HAND_OUTPUT);
+        self.outputs.set_word(HAND_OUTPUT, 1, hand);
     }
 
     /// One control cycle: program, joints, object.
@@ -314,66 +263,7 @@ impl Controller {
     fn close_fingers_on_motion(&mut self) {
         let waiting = self.settings.grasp == Grasp::OnMotion && !self.scene.is_held();
         if waiting && self.measure.speed_m_s > GRASPING_SPEED_M_S {
-            self.settings.grasp = Grasp::Held;
             self.set_grasp(true);
         }
-    }
-
-    /// Raises an alarm: the program stops, the arm slows down to rest by [`Motion::stop`], and
-    /// after a grave one the servo goes off then. The first alarm stays until it is reset.
-    pub fn raise(&mut self, alarm: Alarm) {
-        self.stop_program();
-        if alarm.severity == Severity::High {
-            self.order_servo_off();
-        }
-        self.past_alarms.push_back(alarm.clone());
-        if self.past_alarms.len() > REMEMBERED_ALARMS {
-            self.past_alarms.pop_front();
-        }
-        self.alarm.get_or_insert(alarm);
-    }
-
-    /// Presses or releases the emergency stop.
-    pub fn press_emergency_stop(&mut self, pressed: bool) {
-        let newly = pressed && !self.emergency_stop;
-        self.emergency_stop = pressed;
-        if newly {
-            self.raise(Alarm::new(crate::alarm::EMERGENCY_STOP));
-        }
-    }
-
-    /// Turns the mode switch; it stops everything.
-    pub fn switch_mode(&mut self, mode: Mode) {
-        if mode == self.mode {
-            return;
-        }
-        self.mode = mode;
-        self.operation_right = None;
-        self.stop_program();
-        self.order_servo_off();
-    }
-
-    /// Begins to turn the servo on.
-    pub fn order_servo_on(&mut self) {
-        self.servo_off_at_rest = false;
-        if self.servo == Servo::Off {
-            self.servo = Servo::TurningOn(self.settings.servo_delay_s);
-        }
-    }
-
-    /// Brings the arm to rest and turns the servo off then.
-    pub fn order_servo_off(&mut self) {
-        self.stop_program();
-        self.servo_off_at_rest = self.servo == Servo::On;
-        if !self.servo_off_at_rest {
-            self.servo = Servo::Off;
-        }
-    }
-
-    /// Stops the program where it is, and the arm.
-    pub fn stop_program(&mut self) {
-        self.task.interrupt();
-        self.external = None;
-        self.motion.stop();
     }
 }

@@ -44,7 +44,7 @@ impl fmt::Display for Position {
             .iter()
             .zip(self.position_mm.iter().chain(&self.angles_deg))
         {
-            write!(formatter, "{name};{value:.2};")?;
+            write!(formatter, "{name};{:.2};", hundredths(*value))?;
         }
         write!(
             formatter,
@@ -99,11 +99,16 @@ impl Position {
     }
 }
 
+/// Rounded to two decimals, and never minus zero.
+fn hundredths(value: f64) -> f64 {
+    (value * 100.0).round() / 100.0 + 0.0
+}
+
 /// The answer to `JPOSF` for these joints, degrees.
 pub fn format_joints(joints_deg: &[f64; 6]) -> String {
     let mut text = String::new();
     for (index, value) in joints_deg.iter().enumerate() {
-        let _ = write!(text, "J{};{value:.2};", index + 1);
+        let _ = write!(text, "J{};{:.2};", index + 1, hundredths(*value));
     }
     text.pop();
     text
@@ -125,7 +130,8 @@ pub fn parse_joints(text: &str) -> Result<[f64; 6], TextError> {
 
 /// Position data as MELFA-BASIC writes it: `(x,y,z,a,b,c)(posture,turns)`.
 pub fn format_list(values: &[f64; 6], flags: (u32, u32)) -> String {
-    let values = values.map(|value| format!("{value:.2}")).join(",");
+    let values = values.map(|value| format!("{:.2}", hundredths(value)));
+    let values = values.join(",");
     format!("({values})({},{})", flags.0, flags.1)
 }
 
@@ -180,7 +186,7 @@ mod tests {
 
     #[test]
     fn lists_are_read_and_written() {
-        let text = format_list(&[1.25, -0.5, 12.0, 0.03, -0.1, 0.0], (0, 0));
+        let text = format_list(&[1.25, -0.5, 12.0, 0.03, -0.1, -0.001], (0, 0));
         assert_eq!(text, "(1.25,-0.50,12.00,0.03,-0.10,0.00)(0,0)");
         let found = parse_list(&format!("P_FsCurD={text}")).unwrap();
         assert_eq!(found, [1.25, -0.5, 12.0, 0.03, -0.1, 0.0]);

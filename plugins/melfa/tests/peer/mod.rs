@@ -2,6 +2,7 @@
 //! the protocol's tables. It shares no code with the driver's protocol crate.
 #![allow(dead_code, clippy::unwrap_used, missing_docs)]
 
+pub mod drive;
 mod packets;
 mod text;
 
@@ -115,6 +116,9 @@ pub fn alone() -> MutexGuard<'static, ()> {
     ALONE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// One of its three services.
+type Service = Box<dyn FnOnce(Arc<Mutex<State>>, Arc<AtomicBool>) + Send>;
+
 /// The controller. It ends when dropped.
 pub struct Peer {
     _alone: MutexGuard<'static, ()>,
@@ -139,7 +143,7 @@ impl Peer {
         ];
         let state = Arc::new(Mutex::new(state));
         let over = Arc::new(AtomicBool::new(false));
-        let spawn = |run: Box<dyn FnOnce(Arc<Mutex<State>>, Arc<AtomicBool>) + Send>| {
+        let spawn = |run: Service| {
             let (state, over) = (Arc::clone(&state), Arc::clone(&over));
             thread::spawn(move || run(state, over))
         };

@@ -1,5 +1,6 @@
 //! MXT and the monitor, byte by byte.
 
+use std::f32::consts::FRAC_PI_2;
 use std::net::UdpSocket;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,7 +13,7 @@ const CYCLE: Duration = Duration::from_micros(3500);
 /// The filter of Mxt.
 const FILTER_S: f32 = 0.010;
 /// Joint feedback, rad: elbow and wrist bent by a right angle.
-const JOINTS: [f32; 6] = [0.0, 0.0, 1.5708, 0.0, 1.5708, 0.0];
+const JOINTS: [f32; 6] = [0.0, 0.0, FRAC_PI_2, 0.0, FRAC_PI_2, 0.0];
 
 /// Position data without its flags.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use pubs_host::{Registry, search_path};
 
 /// Plugins of this repository that are libraries to be loaded.
-pub const LOADED: [&str; 2] = ["light-dark", "limit-sensor"];
+pub const LOADED: [&str; 3] = ["light-dark", "limit-sensor", "melfa"];
 
 /// Builds them beside the program, in the program's own profile.
 pub const BUILD_COMMAND: &str = if cfg!(debug_assertions) {

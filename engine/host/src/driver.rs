@@ -5,7 +5,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use pubs_plugin::table::{DriverTable, PlainFunction, RawReading};
-use pubs_plugin::{DriverSetup, Reading, Support, Twist};
+use pubs_plugin::{DriverCheck, DriverSetup, Reading, Support, Twist};
 
 use crate::call::{Failure, call, demand, filled_text};
 use crate::plugin::{Functions, Plugin};
@@ -20,7 +20,7 @@ const SENSOR_BYTES: usize = 256;
 #[derive(Debug, Clone)]
 pub struct DriverPlugin {
     pub(crate) plugin: Arc<Plugin>,
-    pub(crate) table: &'static DriverTable,
+    pub(crate) table: DriverTable,
 }
 
 impl DriverPlugin {
@@ -51,23 +51,8 @@ impl DriverPlugin {
     /// Where the parameters do not fit the schema, the plugin refuses, or it does not name its
     /// sensor.
     pub fn open(&self, setup: &DriverSetup) -> Result<DriverInstance, HostError> {
-        let faults = self.check_parameters(&setup.driver);
-        if !faults.is_empty() {
-            return Err(HostError::Parameters {
-                plugin: self.plugin.name().to_owned(),
-                faults,
-            });
-        }
-        let json = serde_json::to_vec(setup).map_err(|error| HostError::Setup {
-            plugin: self.plugin.name().to_owned(),
-            message: error.to_string(),
-        })?;
-        let failed = |failure| HostError::Call {
-            plugin: self.plugin.name().to_owned(),
-            function: "open",
-            context: String::new(),
-            failure,
-        };
+        let json = self.setup_text(setup)?;
+        let failed = |failure| self.failed("open", failure);
         let open = self.table.open.ok_or_else(|| failed(Failure::Absent))?;
         let mut handle = std::ptr::null_mut();
         // SAFETY: `open` of a checked table; the arguments are as the header says.
@@ -87,12 +72,85 @@ impl DriverPlugin {
             .map_err(|failure| instance.failed("sensor", failure))?;
         Ok(instance)
     }
+
+    /// What stands in the way of moving, without moving; `None` where the driver does not look.
+    ///
+    /// # Errors
+    /// Where the parameters do not fit the schema, the plugin refuses, or gives what are no checks.
+    pub fn diagnose(&self, setup: &DriverSetup) -> Result<Option<Vec<DriverCheck>>, HostError> {
+        let json = self.setup_text(setup)?;
+        let failed = |failure| self.failed("diagnose", failure);
+        let Some(diagnose) = self.table.diagnose else {
+            return Ok(None);
+        };
+        let mut text: Vec<u8> = Vec::new();
+        // SAFETY: a function of a checked table; the sink gets the text it is made for.
+        let support = call(|error, capacity| unsafe {
+            let context = (&raw mut text).cast::<c_void>();
+            diagnose(
+                json.as_ptr(),
+                json.len(),
+                Some(keep_text),
+                context,
+                error,
+                capacity,
+            )
+        });
+        match support.map_err(failed)? {
+            Support::Absent => Ok(None),
+            Support::Given => serde_json::from_slice(&text).map(Some).map_err(|error| {
+                failed(Failure::Value(format!(
+                    "the checks are not as they should be: {error}"
+                )))
+            }),
+        }
+    }
+
+    /// The setup as JSON, if its parameters fit the schema.
+    fn setup_text(&self, setup: &DriverSetup) -> Result<Vec<u8>, HostError> {
+        let faults = self.check_parameters(&setup.driver);
+        if !faults.is_empty() {
+            return Err(HostError::Parameters {
+                plugin: self.plugin.name().to_owned(),
+                faults,
+            });
+        }
+        serde_json::to_vec(setup).map_err(|error| HostError::Setup {
+            plugin: self.plugin.name().to_owned(),
+            message: error.to_string(),
+        })
+    }
+
+    fn failed(&self, function: &'static str, failure: Failure) -> HostError {
+        HostError::Call {
+            plugin: self.plugin.name().to_owned(),
+            function,
+            context: String::new(),
+            failure,
+        }
+    }
+}
+
+/// Longest text that is kept of a plugin's, bytes.
+const LONGEST_TEXT: usize = 1 << 20;
+
+/// Appends to the `Vec<u8>` that `context` points to.
+unsafe extern "C" fn keep_text(context: *mut c_void, text: *const u8, length: usize) {
+    if context.is_null() || text.is_null() || length > LONGEST_TEXT {
+        return;
+    }
+    // SAFETY: `diagnose` above passes its own vector, and the plugin hands `context` back; the text
+    // has `length` bytes, as the header asks.
+    unsafe {
+        let kept = &mut *context.cast::<Vec<u8>>();
+        kept.extend_from_slice(std::slice::from_raw_parts(text, length));
+    }
 }
 
 /// An open driver, for one thread at a time. It closes when dropped, and keeps its plugin until then.
 pub struct DriverInstance {
     plugin: Arc<Plugin>,
-    table: &'static DriverTable,
+    table: DriverTable,
     handle: *mut c_void,
     sensor: String,
     open: bool,

@@ -4,7 +4,8 @@ use std::fmt;
 use std::path::PathBuf;
 
 use pubs_plugin::table::{
-    ABI, DriverTable, KIND_DRIVER, KIND_OBSERVATION_MODEL, ObservationModelTable, PluginTable, Text,
+    ABI, DriverTable, KIND_DRIVER, KIND_OBSERVATION_MODEL, ObservationModelTable, PluginTable,
+    SHORTEST_DRIVER_TABLE, Text,
 };
 use serde_json::Value;
 
@@ -63,7 +64,7 @@ pub struct Plugin {
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Functions {
     ObservationModel(&'static ObservationModelTable),
-    Driver(&'static DriverTable),
+    Driver(DriverTable),
 }
 
 impl Plugin {
@@ -202,8 +203,8 @@ unsafe fn functions(table: &PluginTable) -> Result<Functions, LibraryFault> {
         }
         KIND_DRIVER => {
             // SAFETY: null or a table that begins with its size.
-            let functions = unsafe { sized(table.driver, "pubs_driver_table") }?;
-            check_driver(functions)?;
+            let functions = unsafe { driver_table(table.driver) }?;
+            check_driver(&functions)?;
             Ok(Functions::Driver(functions))
         }
         other => Err(LibraryFault::Field {
@@ -223,11 +224,46 @@ unsafe fn sized<T>(table: *const T, name: &'static str) -> Result<&'static T, Li
     if table.is_null() || !table.is_aligned() {
         return Err(LibraryFault::Missing { part: name });
     }
-    // SAFETY: both tables of functions begin with a u32 size.
+    // SAFETY: a table of functions begins with a u32 size.
     let size = unsafe { table.cast::<u32>().read() };
     check_size(name, size, size_of::<T>())?;
     // SAFETY: as long as the type, as the size says.
     Ok(unsafe { &*table })
+}
+
+/// A copy of a driver's table; what an older plugin does not have is absent in it.
+///
+/// # Safety
+/// As [`sized`].
+unsafe fn driver_table(table: *const DriverTable) -> Result<DriverTable, LibraryFault> {
+    const NAME: &str = "pubs_driver_table";
+    if table.is_null() || !table.is_aligned() {
+        return Err(LibraryFault::Missing { part: NAME });
+    }
+    // SAFETY: it begins with a u32 size.
+    let size = unsafe { table.cast::<u32>().read() };
+    check_size(NAME, size, SHORTEST_DRIVER_TABLE)?;
+    let mut copy = DriverTable {
+        size,
+        reserved: 0,
+        open: None,
+        close: None,
+        sensor: None,
+        read: None,
+        command: None,
+        tare: None,
+        stop: None,
+        advance_to: None,
+        truth: None,
+        diagnose: None,
+    };
+    let known = (size as usize).min(size_of::<DriverTable>());
+    // SAFETY: so many bytes are there, as the size says, and are not more than the copy has; the
+    // fields are numbers and pointers to functions or null, each of which is a valid `Option`.
+    unsafe {
+        std::ptr::copy_nonoverlapping(table.cast::<u8>(), (&raw mut copy).cast::<u8>(), known);
+    }
+    Ok(copy)
 }
 
 fn check_model(table: &ObservationModelTable) -> Result<(), LibraryFault> {
@@ -282,5 +318,64 @@ unsafe fn text(field: &'static str, text: Text) -> Result<String, LibraryFault> 
             "`{}`, which is not UTF-8",
             String::from_utf8_lossy(bytes)
         ))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use std::ffi::{c_char, c_void};
+
+    use pubs_plugin::table::TextSink;
+
+    use super::*;
+
+    unsafe extern "C" fn diagnose(
+        _setup: *const u8,
+        _setup_length: usize,
+        _sink: Option<TextSink>,
+        _context: *mut c_void,
+        _error: *mut c_char,
+        _capacity: usize,
+    ) -> i32 {
+        0
+    }
+
+    unsafe extern "C" fn close(_: *mut c_void, _: *mut c_char, _: usize) -> i32 {
+        0
+    }
+
+    #[test]
+    fn a_drivers_table_is_read_as_far_as_its_size() {
+        let shortest = SHORTEST_DRIVER_TABLE;
+        let whole = size_of::<DriverTable>();
+        let cases = [
+            (shortest - 8, None),
+            (shortest, Some((true, false))),
+            (whole, Some((true, true))),
+            (whole + 64, Some((true, true))),
+        ];
+        for (size, expected) in cases {
+            let table = DriverTable {
+                size: size as u32,
+                reserved: 0,
+                open: None,
+                close: Some(close),
+                sensor: None,
+                read: None,
+                command: None,
+                tare: None,
+                stop: None,
+                advance_to: None,
+                truth: None,
+                diagnose: Some(diagnose),
+            };
+            // SAFETY: no more than a whole table is read, and that is there.
+            let copy = unsafe { driver_table(&raw const table) };
+            let found = copy
+                .ok()
+                .map(|copy| (copy.close.is_some(), copy.diagnose.is_some()));
+            assert_eq!(found, expected, "a table of {size} bytes");
+        }
     }
 }

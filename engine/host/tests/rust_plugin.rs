@@ -6,7 +6,7 @@ mod common;
 use common::{create, driver_setup, load, model_setup, rust_library};
 use pubs_host::conformance::{self, ConformanceReport, Outcome};
 use pubs_host::{DriverInstance, DriverPlugin, HostError, PluginKind};
-use pubs_plugin::{DriverStatus, Support, Transitions, Twist};
+use pubs_plugin::{CheckState, DriverStatus, Support, Transitions, Twist};
 use serde_json::{Value, json};
 
 fn first_failure(report: &ConformanceReport) -> Option<&'static str> {
@@ -166,8 +166,35 @@ fn the_kit_finds_a_driver_that_never_stops() {
             .all(|check| check.outcome == Outcome::Passed),
         "{good:#?}"
     );
-    for (fault, name) in [("no expiry", "expiry"), ("force", "read"), ("open", "open")] {
+    let cases = [
+        ("no expiry", "expiry"),
+        ("force", "read"),
+        ("open", "open"),
+        ("no cure", "diagnose"),
+    ];
+    for (fault, name) in cases {
         let report = check(json!({ "fault": fault }));
         assert_eq!(first_failure(&report), Some(name), "{fault}: {report:#?}");
     }
+}
+
+#[test]
+fn a_drivers_diagnosis_is_read() {
+    let plugin = DriverPlugin::new(load(&rust_library("rust_driver"))).unwrap();
+    let setup = driver_setup("pen", json!({}));
+    let checks = plugin.diagnose(&setup).unwrap().unwrap();
+    let found: Vec<_> = checks
+        .iter()
+        .map(|check| (check.name.as_str(), check.state, check.cure.as_str()))
+        .collect();
+    assert_eq!(
+        found,
+        [
+            ("paper", CheckState::Ok, ""),
+            ("ink", CheckState::Fault, "fill it")
+        ]
+    );
+    let unknown = driver_setup("pen", json!({ "nib": 3 }));
+    let refused = plugin.diagnose(&unknown).unwrap_err().to_string();
+    assert!(refused.contains("`nib`"), "{refused}");
 }

@@ -179,6 +179,9 @@ typedef struct pubs_reading {
     uint32_t reserved;          /* 0 */
 } pubs_reading;
 
+/* Takes a text of `length` bytes of UTF-8, not NUL-terminated, which is valid during the call only. */
+typedef void (*pubs_text_sink)(void *context, const uint8_t *text, size_t length);
+
 /*
  * The functions of a driver, called from one thread at a time.
  *
@@ -220,6 +223,15 @@ typedef struct pubs_driver_table {
     /* May be NULL. The true joint state (rad or m), for scoring alone; PUBS_ABSENT where nobody knows
        it. */
     pubs_status (*truth)(void *instance, double *state, char *error, size_t error_capacity);
+
+    /* May be NULL; a table whose `size` ends before it is accepted. Looks at everything that open
+       needs, without moving and without changing anything, and calls sink(sink_context, text, length)
+       once with a JSON array in the order in which to mend things:
+           [{"name", "state": "ok"|"warn"|"fault"|"skipped", "found", "cure"}]
+       all texts; cure is empty where there is nothing to do. A robot that is not ready is a check
+       with the state "fault", not PUBS_ERROR. PUBS_ABSENT where there is nothing to look at. */
+    pubs_status (*diagnose)(const uint8_t *setup, size_t setup_length, pubs_text_sink sink,
+                            void *sink_context, char *error, size_t error_capacity);
 } pubs_driver_table;
 
 /* ---------------------------------------------------------------- the plugin ------------------ */
@@ -264,7 +276,7 @@ PUBS_STATIC_ASSERT(sizeof(pubs_text) == 2 * sizeof(void *), text_has_two_words);
 PUBS_STATIC_ASSERT(sizeof(pubs_plugin_table) == 16 + 8 * sizeof(void *), plugin_table_is_packed);
 PUBS_STATIC_ASSERT(sizeof(pubs_observation_model_table) == 8 + 7 * sizeof(void *),
                    observation_model_table_is_packed);
-PUBS_STATIC_ASSERT(sizeof(pubs_driver_table) == 8 + 9 * sizeof(void *), driver_table_is_packed);
+PUBS_STATIC_ASSERT(sizeof(pubs_driver_table) == 8 + 10 * sizeof(void *), driver_table_is_packed);
 
 #ifdef __cplusplus
 }

@@ -1,6 +1,6 @@
 //! A robot arm, or something that behaves like one.
 
-use crate::{DriverSetup, PluginError};
+use crate::{DriverCheck, DriverSetup, PluginError};
 
 /// Velocity of the tool: base axes at the tool origin.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -59,6 +59,16 @@ pub trait Driver: Send + Sized + 'static {
     /// # Errors
     /// Where the parameters are wrong or the robot does not answer.
     fn open(setup: &DriverSetup) -> Result<Self, PluginError>;
+
+    /// Looks at everything that `open` needs, in the order in which to mend it, and goes on after a
+    /// check that failed where that makes sense. Nothing moves and nothing is changed. `None` where
+    /// there is nothing to look at.
+    ///
+    /// # Errors
+    /// Where the parameters are wrong; a robot that is not ready is a check that failed.
+    fn diagnose(_setup: &DriverSetup) -> Result<Option<Vec<DriverCheck>>, PluginError> {
+        Ok(None)
+    }
 
     /// Names the force sensor, as `[source] sensor` of an object file does.
     fn sensor(&self) -> &str;

@@ -4,7 +4,7 @@ use std::ffi::{c_char, c_void};
 use std::marker::PhantomData;
 
 use crate::boundary::{ErrorBuffer, guarded, hand_out, parse_setup, place, take_back, write_text};
-use crate::table::{ABI, DriverTable, KIND_DRIVER, PluginTable, RawReading, Text};
+use crate::table::{ABI, DriverTable, KIND_DRIVER, PluginTable, RawReading, Text, TextSink};
 use crate::{Driver, DriverSetup, PluginError, Reading, Support, Twist};
 
 /// The table of driver `D`: what a built-in plugin's `table()` returns and what
@@ -32,6 +32,7 @@ impl<D: Driver> Table<D> {
             None
         },
         truth: Some(truth::<D>),
+        diagnose: Some(diagnose::<D>),
     };
     const PLUGIN: &'static PluginTable = &PluginTable {
         size: size_of::<PluginTable>() as u32,
@@ -253,6 +254,36 @@ unsafe extern "C" fn truth<D: Driver>(
                     return Ok(Support::Absent);
                 };
                 *target = value;
+                Ok(Support::Given)
+            },
+        )
+    }
+}
+
+unsafe extern "C" fn diagnose<D: Driver>(
+    setup: *const u8,
+    setup_length: usize,
+    sink: Option<TextSink>,
+    sink_context: *mut c_void,
+    error: *mut c_char,
+    error_capacity: usize,
+) -> i32 {
+    // SAFETY: pubs_plugin.h asks these things of the caller.
+    unsafe {
+        guarded(
+            ErrorBuffer {
+                text: error,
+                capacity: error_capacity,
+            },
+            || {
+                let sink = sink.ok_or_else(|| PluginError::new("`sink` is null"))?;
+                let setup = parse_setup::<DriverSetup>(setup, setup_length)?;
+                let Some(checks) = D::diagnose(&setup)? else {
+                    return Ok(Support::Absent);
+                };
+                let json = serde_json::to_string(&checks)
+                    .map_err(|error| PluginError::new(error.to_string()))?;
+                sink(sink_context, json.as_ptr(), json.len());
                 Ok(Support::Given)
             },
         )

@@ -11,6 +11,7 @@
 //! the host's monotonic clock.
 
 mod boundary;
+pub mod diagnosis;
 pub mod driver;
 pub mod error;
 mod export;
@@ -21,6 +22,7 @@ mod params;
 pub mod setup;
 pub mod table;
 
+pub use diagnosis::{CheckState, DriverCheck};
 pub use driver::{Driver, DriverStatus, Reading, Twist};
 pub use error::PluginError;
 pub use export_driver::driver_table;

@@ -264,8 +264,22 @@ pub type TruthFunction = unsafe extern "C" fn(
     error_capacity: usize,
 ) -> i32;
 
+/// Takes a text of `length` bytes of UTF-8, without a closing NUL, valid during the call only.
+pub type TextSink = unsafe extern "C" fn(context: *mut c_void, text: *const u8, length: usize);
+
+/// Looks at the robot from [`DriverSetup`](crate::DriverSetup) as JSON and hands the checks, a JSON
+/// array of [`DriverCheck`](crate::DriverCheck), to `sink`, once.
+pub type DiagnoseFunction = unsafe extern "C" fn(
+    setup: *const u8,
+    setup_length: usize,
+    sink: Option<TextSink>,
+    sink_context: *mut c_void,
+    error: *mut c_char,
+    error_capacity: usize,
+) -> i32;
+
 /// The functions of a driver; called from one thread at a time, `close` last and once.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 #[repr(C)]
 pub struct DriverTable {
     /// `sizeof` of this struct where the plugin was compiled.
@@ -290,4 +304,10 @@ pub struct DriverTable {
     pub advance_to: Option<AdvanceFunction>,
     /// The true joint state, for scoring; may be null.
     pub truth: Option<TruthFunction>,
+    /// What stands in the way of moving, and its cure, without moving; may be null. A table of a
+    /// plugin that was compiled before this function was added ends here, as its `size` says.
+    pub diagnose: Option<DiagnoseFunction>,
 }
+
+/// Bytes of the shortest [`DriverTable`] of this ABI: all up to and with `truth`.
+pub const SHORTEST_DRIVER_TABLE: usize = std::mem::offset_of!(DriverTable, diagnose);

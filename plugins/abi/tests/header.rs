@@ -49,7 +49,7 @@ fn expected() -> Vec<(String, usize)> {
         layout!("pubs_reading", RawReading, time_ns position_m orientation_xyzw force_n torque_nm status reserved),
         layout!("pubs_plugin_table", PluginTable, size abi kind reserved name version params_schema observation_model driver),
         layout!("pubs_observation_model_table", ObservationModelTable, size reserved create destroy channels moments moments_grid log_likelihood sample),
-        layout!("pubs_driver_table", DriverTable, size reserved open close sensor read command tare stop advance_to truth),
+        layout!("pubs_driver_table", DriverTable, size reserved open close sensor read command tare stop advance_to truth diagnose),
     ]
     .concat()
 }

@@ -5,12 +5,12 @@ use std::ffi::{CStr, c_char, c_void};
 use std::ptr::{null, null_mut};
 
 use pubs_plugin::table::{
-    ChannelEntry, RawReading, STATUS_ABSENT, STATUS_ERROR, STATUS_OK, STATUS_PANIC,
+    ChannelEntry, RawReading, STATUS_ABSENT, STATUS_ERROR, STATUS_OK, STATUS_PANIC, TextSink,
 };
 use pubs_plugin::{
-    ActionSetup, BeliefSetup, Channel, ChannelKind, ControlSetup, Driver, DriverSetup,
-    DriverStatus, JointSetup, JointType, Mode, ModelSetup, ObservationModel, PluginError, Reading,
-    Support, Transitions, Twist, driver_table, observation_model_table,
+    ActionSetup, BeliefSetup, Channel, ChannelKind, CheckState, ControlSetup, Driver, DriverCheck,
+    DriverSetup, DriverStatus, JointSetup, JointType, Mode, ModelSetup, ObservationModel,
+    PluginError, Reading, Support, Transitions, Twist, driver_table, observation_model_table,
 };
 use serde_json::json;
 
@@ -252,10 +252,31 @@ impl Driver for Pen {
     fn stop(&mut self) -> Result<(), PluginError> {
         panic!("no brake")
     }
+    fn diagnose(setup: &DriverSetup) -> Result<Option<Vec<DriverCheck>>, PluginError> {
+        if setup.seed == 0 {
+            return Ok(None);
+        }
+        let check = DriverCheck {
+            name: "ink".to_owned(),
+            state: CheckState::Fault,
+            found: format!("{} drops — dry", setup.seed),
+            cure: "fill it".to_owned(),
+        };
+        Ok(Some(vec![check]))
+    }
 }
 
-#[test]
-fn a_driver_answers_through_its_table() {
+/// Keeps the text and counts the calls.
+unsafe extern "C" fn keep(context: *mut c_void, text: *const u8, length: usize) {
+    // SAFETY: the test below passes its own vector, and a table's text has the length it tells.
+    unsafe {
+        let kept = &mut *context.cast::<Vec<String>>();
+        let text = std::slice::from_raw_parts(text, length);
+        kept.push(std::str::from_utf8(text).unwrap().to_owned());
+    }
+}
+
+fn pen_setup(seed: u64) -> DriverSetup {
     let control = ControlSetup {
         rate_hz: 100.0,
         safe_speed_m_s: 0.05,
@@ -266,13 +287,48 @@ fn a_driver_answers_through_its_table() {
         stop_deceleration_m_s2: 5.0,
         contact_stiffness_n_per_m: 5000.0,
     };
-    let setup = DriverSetup {
+    DriverSetup {
         joint: joint(),
         actions: actions(),
         control,
         driver: json!({}),
-        seed: 42,
+        seed,
+    }
+}
+
+#[test]
+fn a_diagnosis_crosses_as_json() {
+    let diagnose = |json: &[u8], sink: Option<TextSink>| {
+        let mut kept: Vec<String> = Vec::new();
+        // SAFETY: the table is static; the arguments keep the rules of pubs_plugin.h.
+        let (status, text) = unsafe {
+            let table = &*driver_table::<Pen>().driver;
+            let context = (&raw mut kept).cast::<c_void>();
+            call(|e, n| table.diagnose.unwrap()(json.as_ptr(), json.len(), sink, context, e, n))
+        };
+        (status, text, kept)
     };
+    let json = |seed| serde_json::to_vec(&pen_setup(seed)).unwrap();
+    let found = r#"[{"name":"ink","state":"fault","found":"7 drops — dry","cure":"fill it"}]"#;
+    assert_eq!(
+        diagnose(&json(7), Some(keep)),
+        (STATUS_OK, String::new(), vec![found.to_owned()])
+    );
+    assert_eq!(
+        diagnose(&json(0), Some(keep)),
+        (STATUS_ABSENT, String::new(), vec![])
+    );
+    let (status, text, kept) = diagnose(b"{}", Some(keep));
+    assert!(
+        status == STATUS_ERROR && text.contains("the setup is not valid") && kept.is_empty(),
+        "{status} `{text}` {kept:?}"
+    );
+    assert_eq!(diagnose(&json(7), None).0, STATUS_ERROR, "a null sink");
+}
+
+#[test]
+fn a_driver_answers_through_its_table() {
+    let setup = pen_setup(42);
     let json = serde_json::to_vec(&setup).unwrap();
     // SAFETY: the table is static; each call below keeps the rules of pubs_plugin.h.
     unsafe {

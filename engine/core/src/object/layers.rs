@@ -139,6 +139,7 @@ pub(super) fn merge(file: &Dict, overrides: &Overrides) -> (Merged, Vec<Override
             Err(error) => errors.push(error),
         }
     }
+    let file = &without_foreign_parameters(file, &applied);
     let joint = joint_type(&stack(Dict::new(), file, &applied).1);
     let (figment, values) = stack(defaults_for(joint), file, &applied);
     let known: BTreeMap<String, &Origin> = [&Origin::Default, &Origin::File]
@@ -167,6 +168,23 @@ pub(super) fn merge(file: &Dict, overrides: &Overrides) -> (Merged, Vec<Override
         },
         errors,
     )
+}
+
+/// The file's values without `[driver] params` where an override names another driver: they are
+/// those of the file's own.
+fn without_foreign_parameters(file: &Dict, overrides: &[Override]) -> Dict {
+    let mut file = file.clone();
+    let named = overrides
+        .iter()
+        .rev()
+        .find(|taken| taken.path == ["driver", "plugin"])
+        .and_then(|taken| taken.value.as_str());
+    if let (Some(named), Some(Value::Dict(_, driver))) = (named, file.get_mut("driver"))
+        && driver.get("plugin").and_then(Value::as_str) != Some(named)
+    {
+        driver.remove("params");
+    }
+    file
 }
 
 fn stack(defaults: Dict, file: &Dict, overrides: &[Override]) -> (Figment, Dict) {

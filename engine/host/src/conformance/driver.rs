@@ -3,9 +3,9 @@
 //! Only virtual time is safe to move in: a driver without it may have a robot at its other end, so
 //! it is opened and read, and nothing more.
 
-use pubs_plugin::{DriverSetup, DriverStatus, Reading, Twist};
+use pubs_plugin::{CheckState, DriverCheck, DriverSetup, DriverStatus, Reading, Twist};
 
-use crate::conformance::{ConformanceReport, bad_input, setup};
+use crate::conformance::{ConformanceReport, asks_for_parameters, bad_input, setup};
 use crate::{DriverInstance, DriverPlugin, HostError};
 
 const MS: u64 = 1_000_000;
@@ -31,6 +31,7 @@ pub(super) fn check(
     if let (Some(open), Some(close)) = (plugin.table.open, plugin.table.close) {
         report.record("bad setup", bad_input::garbage_setups(open, close));
     }
+    diagnosis(report, plugin, setup, own.is_none());
     let Some(mut driver) = report.made("open", plugin.open(setup), own.is_none()) else {
         return;
     };
@@ -57,6 +58,47 @@ pub(super) fn check(
             .map(|()| "closed".to_owned())
             .map_err(in_words),
     );
+}
+
+/// A diagnosis moves nothing, so it is made whatever is at the other end.
+fn diagnosis(
+    report: &mut ConformanceReport,
+    plugin: &DriverPlugin,
+    setup: &DriverSetup,
+    generic: bool,
+) {
+    const NAME: &str = "diagnose";
+    match plugin.diagnose(setup) {
+        Ok(None) => {
+            report.record(NAME, Ok("the driver looks at nothing".to_owned()));
+        }
+        Ok(Some(checks)) => {
+            report.record(NAME, explained(&checks));
+        }
+        Err(error) if generic && asks_for_parameters(&error) => {
+            report.skip(
+                NAME,
+                format!("needs parameters: pass --object FILE ({error})"),
+            );
+        }
+        Err(error) => {
+            report.record(NAME, Err(in_words(error)));
+        }
+    }
+}
+
+/// Every check must say what was found, and every fault how to mend it.
+fn explained(checks: &[DriverCheck]) -> Result<String, String> {
+    let silent = checks.iter().find(|check| {
+        let needs_cure = check.state == CheckState::Fault;
+        check.name.is_empty() || check.found.is_empty() || (needs_cure && check.cure.is_empty())
+    });
+    match silent {
+        Some(check) => Err(format!(
+            "{check:?} should have a name, what was found, and for a fault its cure"
+        )),
+        None => Ok(format!("{} checks, each with what was found", checks.len())),
+    }
 }
 
 fn read(driver: &mut DriverInstance) -> Result<String, String> {

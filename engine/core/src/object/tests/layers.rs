@@ -77,6 +77,30 @@ fn values_of_overrides_are_toml_or_else_text() {
 }
 
 #[test]
+fn parameters_of_the_files_own_driver_are_not_another_ones() {
+    let text = format!("{DOOR}[driver]\nplugin = \"sim\"\nparams = {{ world = \"door\" }}\n");
+    let cases: [(&[&str], serde_json::Value); 3] = [
+        (
+            &["driver.plugin=sim"],
+            serde_json::json!({ "world": "door" }),
+        ),
+        (
+            &["driver.params.start=0.5"],
+            serde_json::json!({ "world": "door", "start": 0.5 }),
+        ),
+        (
+            &["driver.plugin=arm", "driver.params.host=10.0.0.1"],
+            serde_json::json!({ "host": "10.0.0.1" }),
+        ),
+    ];
+    for (overrides, expected) in cases {
+        let object = load_with(&text, &set(overrides)).unwrap().file;
+        let params = object.driver.unwrap().params;
+        assert_eq!(params, Some(expected), "{overrides:?}");
+    }
+}
+
+#[test]
 fn faults_of_overrides_name_what_was_typed() {
     let cases = [
         (

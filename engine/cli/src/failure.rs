@@ -24,6 +24,15 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// In a line, where a verb goes on.
+    pub fn in_a_line(&self) -> String {
+        match self {
+            Self::Faults(faults) => format!("{} faults", faults.0.len()),
+            Self::Shown(text) => text.lines().next().unwrap_or_default().to_owned(),
+            Self::Other { message, .. } => message.clone(),
+        }
+    }
+
     /// Something failed that is not the user's doing.
     pub fn fault(error: &dyn Error) -> Self {
         Self::Other {

@@ -56,6 +56,8 @@ enum Verb {
     Solve(verbs::solve::Arguments),
     /// List plugins, or check one
     Plugins(verbs::plugins::Arguments),
+    /// Say what stands in the way of a run, and what to do about it
+    Doctor(verbs::doctor::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -72,6 +74,7 @@ fn main() -> ExitCode {
         Verb::Reproduce(arguments) => verbs::reproduce::run(&arguments),
         Verb::Solve(arguments) => verbs::solve::run(&arguments),
         Verb::Plugins(arguments) => verbs::plugins::run(&arguments),
+        Verb::Doctor(arguments) => verbs::doctor::run(&arguments),
     };
     match result {
         Ok(code) => ExitCode::from(code),

@@ -3,6 +3,7 @@
 pub mod calibrate;
 pub mod check;
 pub mod config;
+pub mod doctor;
 pub mod evaluate;
 pub mod plot;
 pub mod plugin_check;

@@ -110,9 +110,11 @@ impl<'a> Training<'a> {
                 _ => None,
             })
             .collect();
+        // By what the tables show of it: a task that is explored under the shield is shown without.
+        let with_shield = self.shielded && !explored_under_shield(self.task);
         let chosen_by = |seed: &Seed| {
             let Judged { plain, shielded } = seed.selection;
-            let own = shielded.as_ref().filter(|_| self.shielded);
+            let own = shielded.as_ref().filter(|_| with_shield);
             reward(self.task, own.unwrap_or(plain)).mean
         };
         let best = all

@@ -115,6 +115,12 @@ fn table4(trials: u32) {
                 &catch,
             ]);
             let report = run(object, &["0.5"], &policy, &emulator.settings());
+            // A run that could not begin prints nothing; it is counted as stopped.
+            if report.stdout.is_empty() {
+                eprintln!("{object}, seed {seed}: {}", report.stderr.trim());
+                stopped += 1;
+                continue;
+            }
             let told = report.json();
             let joint = emulator.state()["object"]["joint_state"].as_f64().unwrap();
             over += u32::from(reached(object, joint, &told) && report.code == 0);

@@ -4,15 +4,14 @@
 
 mod peer;
 
-use std::panic::{catch_unwind, resume_unwind};
 use std::sync::MutexGuard;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use melfa::Melfa;
 use melfa::motion::Phase;
 use melfa::system::monotonic_ns;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use peer::steady::{note_stall, steadily};
 use pubs_melfa_emulator::{Emulator, Options};
 use pubs_plugin::{Driver, DriverStatus, PluginError, Twist};
 use serde_json::{Value, json};
@@ -78,7 +77,7 @@ impl Cell {
     /// How late the emulator's cycle was: then it was the machine that interrupted the link.
     fn note_stall(&self) {
         let worst_s = self.state()["lateness"]["worst_s"].as_f64().unwrap();
-        STALL_US.fetch_max((worst_s * 1e6) as u64, Ordering::Relaxed);
+        note_stall(Duration::from_secs_f64(worst_s));
     }
 
     /// Opens the drawer, as the engine would, until an error or the end of the time.
@@ -107,15 +106,6 @@ impl Drop for Cell {
         self.note_stall();
     }
 }
-
-/// The longest stall of the emulator since it was looked at last.
-static STALL_US: AtomicU64 = AtomicU64::new(0);
-
-/// A machine that stalls for so long proves nothing about the driver.
-const STALLED_US: u64 = 15_000;
-
-/// And is given so many chances.
-const ATTEMPTS: u32 = 4;
 
 fn wait(ms: u64) {
     std::thread::sleep(Duration::from_millis(ms));
@@ -227,24 +217,8 @@ fn clear(cell: &Cell) {
     cell.say(json!({ "do": "r3", "state": "accept" }));
 }
 
-/// Drives into the fault; again where the machine stalled meanwhile.
-fn meet(name: &str, fault: &Value, outcome: Outcome, speed: f64) {
-    for attempt in 1..=ATTEMPTS {
-        STALL_US.store(0, Ordering::Relaxed);
-        let result = catch_unwind(|| meet_once(name, fault, outcome, speed));
-        let stall_us = STALL_US.load(Ordering::Relaxed);
-        match result {
-            Ok(()) => return,
-            Err(_) if stall_us > STALLED_US && attempt < ATTEMPTS => {
-                println!("{name}: again, since the machine stalled for {stall_us} µs");
-            }
-            Err(failure) => resume_unwind(failure),
-        }
-    }
-}
-
 /// Drives into the fault and looks what becomes of the arm.
-fn meet_once(name: &str, fault: &Value, outcome: Outcome, speed: f64) {
+fn meet(name: &str, fault: &Value, outcome: Outcome, speed: f64) {
     let mut cell = Cell::open(json!({ "r3_lost_ms": 300.0 }));
     cell.drive(speed, 0.25)
         .unwrap_or_else(|error| panic!("{name}, before: {error}"));
@@ -336,7 +310,7 @@ fn nothing_resumes(name: &str, cell: &mut Cell, outcome: Outcome, speed: f64) {
 #[test]
 fn every_fault_at_the_safe_speed() {
     for (name, fault, outcome) in cases() {
-        meet(name, &fault, outcome, 0.05);
+        steadily(name, || meet(name, &fault, outcome, 0.05));
     }
 }
 
@@ -351,7 +325,7 @@ fn faults_of_the_link_at_the_high_speed() {
             "alarm",
         ];
         if hard.contains(&name) {
-            meet(name, &fault, outcome, 0.15);
+            steadily(name, || meet(name, &fault, outcome, 0.15));
         }
     }
 }

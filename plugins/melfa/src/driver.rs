@@ -57,7 +57,14 @@ impl Melfa {
 
     fn look_first(&mut self) -> Result<(), PluginError> {
         sleep_until(monotonic_ns() + FIRST_LOOK_NS);
-        self.read().map(drop)
+        let until_ns = monotonic_ns() + FIRST_LOOK_NS;
+        loop {
+            match self.read() {
+                Ok(_) => return Ok(()),
+                Err(error) if monotonic_ns() >= until_ns => return Err(error),
+                Err(_) => std::thread::sleep(LOOK),
+            }
+        }
     }
 
     /// Wrenches over the time of a baseline.

@@ -10,7 +10,7 @@ use pubs_melfa_protocol::{PACKET_LEN, Pose};
 use crate::board::{Shared, Timed};
 use crate::freshness::Freshness;
 use crate::params::{Params, ms_ns};
-use crate::system::{monotonic_ns, wait_readable};
+use crate::system::{make_timely, monotonic_ns, wait_readable};
 use crate::wrench::{Mounting, Wrench};
 
 /// A stream that has stopped is asked for again so often, ns.
@@ -139,6 +139,8 @@ pub fn spawn(
     let stale_ns = ms_ns(params.force_stale_ms).max(KNOCK_NS);
     let thread = thread::Builder::new().name("melfa force".to_owned());
     thread.spawn(move || {
+        // A reading that waits for this thread is a stale reading, and stops the arm.
+        make_timely();
         let (mut newest_ns, mut asked_ns) = (monotonic_ns(), 0);
         while !is_over() {
             let found = link.receive(monotonic_ns() + LOOK_NS);

@@ -13,10 +13,11 @@ use crate::r3::R3Client;
 use crate::system::monotonic_ns;
 use crate::{log, monitor, supervision};
 
-/// The motion thread has so long to come to rest and end.
-const END_TIME: Duration = Duration::from_secs(3);
+/// The motion thread has so long to come to rest and end, and so many times the filter's time on top.
+const END_TIME: Duration = Duration::from_secs(2);
+const END_FILTERS: f64 = 10.0;
 
-/// Longest ramp, filter and waiting for rest; a thread that takes longer hangs.
+/// Between two looks whether it has.
 const LOOK: Duration = Duration::from_millis(2);
 
 /// Threads that end with it.
@@ -40,6 +41,8 @@ impl Session {
         setup: &DriverSetup,
         board: Shared,
     ) -> Result<Self, PluginError> {
+        // The writer is there before anybody is in a hurry.
+        log::flush();
         let failed = |error: std::io::Error| PluginError::new(format!("no thread: {error}"));
         {
             let mut board = board.lock();
@@ -80,7 +83,8 @@ impl Session {
     }
 
     fn end_motion(&mut self) {
-        let deadline = Instant::now() + END_TIME;
+        let filter = Duration::from_secs_f64(END_FILTERS * self.params.filter_ms * 1e-3);
+        let deadline = Instant::now() + END_TIME + filter;
         let Some(motion) = self.motion.take() else {
             return;
         };
@@ -139,7 +143,8 @@ impl Drop for Session {
         }
         self.end_controller();
         if self.params.log {
-            eprintln!("melfa: {}", self.board.lock().stats);
+            log::say("figures", &self.board.lock().stats.to_string());
         }
+        log::flush();
     }
 }

@@ -4,6 +4,7 @@
 
 pub mod drive;
 mod packets;
+pub mod steady;
 mod text;
 
 use std::net::{SocketAddr, TcpListener, UdpSocket};

@@ -6,6 +6,8 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use melfa::system::make_timely;
+
 use super::{Seen, State};
 
 const LENGTH: usize = 196;
@@ -79,6 +81,7 @@ fn follow(state: &mut State, seconds: f32) {
 }
 
 pub fn serve_mxt(socket: &UdpSocket, state: &Mutex<State>, over: &AtomicBool) {
+    make_timely();
     let stranger = UdpSocket::bind("127.0.0.1:0").unwrap();
     socket
         .set_read_timeout(Some(Duration::from_millis(20)))
@@ -160,11 +163,14 @@ pub fn serve_mxt(socket: &UdpSocket, state: &Mutex<State>, over: &AtomicBool) {
 }
 
 pub fn serve_monitor(socket: &UdpSocket, state: &Mutex<State>, over: &AtomicBool) {
+    make_timely();
     socket.set_nonblocking(true).unwrap();
     let mut bytes = [0; 512];
     let (mut to, mut count, mut drift) = (None, 0u32, 0.0f32);
     while !over.load(Ordering::Acquire) {
+        let before = Instant::now();
         std::thread::sleep(CYCLE);
+        super::steady::note_stall(before.elapsed().saturating_sub(CYCLE));
         while let Ok((length, from)) = socket.recv_from(&mut bytes) {
             if length == LENGTH {
                 to = (u16_at(&bytes, 0) == 1).then_some(from);

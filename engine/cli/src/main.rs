@@ -14,8 +14,10 @@ mod object;
 mod options;
 mod policies;
 mod pomdp_file;
+mod recorded;
 mod show;
 mod training;
+mod utc;
 mod verbs;
 
 use std::process::ExitCode;

@@ -24,6 +24,7 @@ mod messages;
 mod motion;
 mod policy_loop;
 pub mod recording;
+pub mod replay;
 mod report;
 mod run;
 

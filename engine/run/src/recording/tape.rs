@@ -39,8 +39,11 @@ enum Entry {
 pub struct RunRecorder {
     file: PathBuf,
     tape: Tape,
-    thread: Option<JoinHandle<Result<(), RecordingError>>>,
+    thread: Option<WriterThread>,
 }
+
+/// Gives back the first error of the writing.
+type WriterThread = JoinHandle<Result<(), RecordingError>>;
 
 /// The front end for one loop.
 #[derive(Clone)]
@@ -174,7 +177,7 @@ impl RunRecorder {
 fn start(
     capacity: usize,
     consume: impl FnOnce(Receiver<Entry>) -> Result<(), RecordingError> + Send + 'static,
-) -> std::io::Result<(SyncSender<Entry>, JoinHandle<Result<(), RecordingError>>)> {
+) -> std::io::Result<(SyncSender<Entry>, WriterThread)> {
     let (entries, receiver) = sync_channel(capacity);
     let thread = thread::Builder::new()
         .name("recorder".to_owned())

@@ -48,7 +48,8 @@ fn baselines_are_trained_judged_and_run_on_the_arm() {
             "{method}: a shield looks at a belief"
         );
 
-        let line = "--goal 0.5 --policy one.onnx --lockstep --max-steps 30 --seed 3 --json";
+        let line =
+            "--goal 0.5 --policy one.onnx --lockstep --max-steps 30 --seed 3 --json --no-record";
         let run = || {
             let answer = with_door(folder.path(), "run", line);
             assert!(

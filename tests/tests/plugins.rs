@@ -77,7 +77,7 @@ fn assert_serves(folder: &Path, library: &Path, model: &str) {
     arguments.extend(words(line));
     pubs(work.path(), &arguments).assert_code(0).json();
 
-    let line = "--policy policy.onnx --goal 0.5 --lockstep --json";
+    let line = "--policy policy.onnx --goal 0.5 --lockstep --json --no-record";
     let mut arguments = vec!["run", &object, "--plugin-dir", &plugins];
     arguments.extend(words(line));
     let answer = pubs(work.path(), &arguments);

@@ -38,6 +38,7 @@ fn run(line: &str) -> Answer {
         "--policy",
         policy.as_str(),
         "--json",
+        "--no-record",
     ];
     arguments.extend(words(line));
     pubs(folder.path(), &arguments)
@@ -85,7 +86,14 @@ fn lockstep_reaches_the_middle_and_reports_every_field() {
 #[test]
 fn the_shipped_policy_is_found_beside_the_objects() {
     let folder = tempfile::tempdir().unwrap();
-    let line = ["run", &door2(), "--goal", "0.5", "--lockstep"];
+    let line = [
+        "run",
+        &door2(),
+        "--goal",
+        "0.5",
+        "--lockstep",
+        "--no-record",
+    ];
     let answer = pubs(folder.path(), &line);
     answer.assert_code(0);
     assert!(answer.stdout.contains("reached"), "{}", answer.stdout);
@@ -156,7 +164,14 @@ fn an_interrupt_stops_the_arm() {
     // A goal so far off that the run is still under way when the signal comes.
     let (object, policy) = (door2(), door2_policy());
     let arguments = [
-        "run", &object, "--policy", &policy, "--goal", "0.9", "--json",
+        "run",
+        &object,
+        "--policy",
+        &policy,
+        "--goal",
+        "0.9",
+        "--json",
+        "--no-record",
     ];
     let mut child = command(folder.path(), &arguments)
         .stdout(Stdio::piped())

@@ -14,8 +14,10 @@ mod object;
 mod options;
 mod policies;
 mod pomdp_file;
+mod recorded;
 mod show;
 mod training;
+mod utc;
 mod verbs;
 
 use std::process::ExitCode;
@@ -36,6 +38,8 @@ struct Program {
 enum Verb {
     /// Move an object to one or more goals
     Run(verbs::run::Arguments),
+    /// Feed a recorded run through today's filter and policy and say where they first differ
+    Replay(verbs::replay::Arguments),
     /// Check object files and report every fault at its line
     Check(verbs::check::Arguments),
     /// Print the engine's default settings, commented
@@ -64,6 +68,7 @@ fn main() -> ExitCode {
     let program = Program::parse();
     let result = match program.verb {
         Verb::Run(arguments) => verbs::run::run(&arguments),
+        Verb::Replay(arguments) => verbs::replay::run(&arguments),
         Verb::Check(arguments) => verbs::check::run(&arguments),
         Verb::Config(arguments) => verbs::config::run(&arguments),
         Verb::Calibrate(arguments) => verbs::calibrate::run(&arguments),

@@ -19,6 +19,10 @@ pub struct Ready {
     pub task: Arc<Task>,
     /// Its observation model.
     pub model: Arc<dyn Model>,
+    /// Name and version of the model's plugin.
+    pub model_plugin: String,
+    /// The file.
+    pub loaded: LoadedObject,
 }
 
 /// Loads an object file and creates its model; with a `belief_frequency`, that many filter updates
@@ -33,7 +37,24 @@ pub fn ready(
     registry: &Registry,
     seed: u64,
 ) -> Result<Ready, Failure> {
-    let loaded = object::load(path, overrides)?;
+    of_loaded(
+        object::load(path, overrides)?,
+        belief_frequency,
+        registry,
+        seed,
+    )
+}
+
+/// The same of a file that has been read, or was never one.
+///
+/// # Errors
+/// As [`ready`].
+pub fn of_loaded(
+    loaded: LoadedObject,
+    belief_frequency: Option<u32>,
+    registry: &Registry,
+    seed: u64,
+) -> Result<Ready, Failure> {
     let task = compile(&loaded.file).map_err(|error| Failure::fault(&error))?;
     let faults = parameter_faults(&loaded, &task, registry);
     if !faults.is_empty() {
@@ -50,9 +71,12 @@ pub fn ready(
         Ok(model) => model,
         Err(error) => return Err(refusal(&loaded, error)),
     };
+    let model_plugin = format!("{} {}", model.plugin().name(), model.plugin().version());
     Ok(Ready {
         task: Arc::new(task),
         model: Arc::new(model),
+        model_plugin,
+        loaded,
     })
 }
 

@@ -52,14 +52,37 @@ impl PolicyFile {
         inputs: &[FeatureName],
         actions: usize,
     ) -> Result<Self, PolicyError> {
+        read(path)
+            .map_err(|fault| fault.of(path))
+            .and_then(|bytes| Self::foreign_from_memory(path, bytes, inputs, actions))
+    }
+
+    /// [`read`](Self::read) of bytes that were kept elsewhere; `path` is their name in messages.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn from_memory(path: &Path, bytes: Vec<u8>) -> Result<Self, PolicyError> {
+        Self::from_bytes(path, bytes).map_err(|fault| fault.of(path))
+    }
+
+    /// [`read_foreign`](Self::read_foreign) of bytes that were kept elsewhere; `path` is their name
+    /// in messages.
+    ///
+    /// # Errors
+    /// As [`read_foreign`](Self::read_foreign).
+    pub fn foreign_from_memory(
+        path: &Path,
+        bytes: Vec<u8>,
+        inputs: &[FeatureName],
+        actions: usize,
+    ) -> Result<Self, PolicyError> {
         let read = || -> Result<Self, Fault> {
-            let bytes = read(path)?;
             let model = checked_model(&bytes)?;
             finite(&model)?;
             let layout = Layout::of_foreign(&model, inputs.len(), actions)?;
             Ok(Self::assemble(
                 path,
-                bytes,
+                bytes.clone(),
                 &model,
                 None,
                 inputs.to_vec(),
@@ -112,6 +135,12 @@ impl PolicyFile {
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// The file itself.
+    #[must_use]
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
     }
 
     /// What it promises; `None` for a file of another trainer.

@@ -2,37 +2,33 @@
 
 use std::sync::Arc;
 
-use nalgebra::Vector3;
 use pubs_core::Task;
-use pubs_core::controller::{self, Control, SWAY_S};
-use pubs_core::joint::{Direction, Path, Pose};
+use pubs_core::controller::Control;
 use pubs_plugin::Reading;
 
 use crate::grip::GripWatch;
 use crate::guard::{COMMAND_PERIODS, Guard, Trip};
-use crate::loops::{Rates, Tap};
+use crate::loops::{Felt, Period, Rates, Tap};
 use crate::messages::{Order, Sample, Signals};
+use crate::motion::Motion;
 use crate::recording::Frame;
 
 /// The slower loops may be silent for so many of their periods.
 const SILENT_PERIODS: f64 = 5.0;
 
-/// The arm counts as moving as asked within this share of the asked speed.
-const SETTLED_SHARE: f64 = 0.1;
-
 /// State of the loop between two ticks.
 pub struct ControlLoop {
-    task: Arc<Task>,
     control: Control,
     guard: Guard,
     signals: Signals,
     slower: [Slower; 2],
     tap: Option<Tap>,
     grip: Option<GripWatch>,
-    path: Option<(Path, Pose)>,
-    speed_m_s: f64,
-    /// The speed that has been wanted and reached, and since when.
-    steady: Option<(f64, u64)>,
+    motion: Motion,
+    /// Ticks so far.
+    ticks: u64,
+    /// Whether the tap knows why the guard stopped the arm.
+    told: bool,
     last_step_ns: Option<u64>,
     first_step_ns: u64,
 }
@@ -65,7 +61,7 @@ impl ControlLoop {
     ) -> Self {
         let [follower, chooser] = rates.names;
         Self {
-            task,
+            motion: Motion::new(task, control),
             control,
             guard,
             signals,
@@ -81,9 +77,8 @@ impl ControlLoop {
             ],
             tap,
             grip: None,
-            path: None,
-            speed_m_s: 0.0,
-            steady: None,
+            ticks: 0,
+            told: false,
             last_step_ns: None,
             first_step_ns: 0,
         }
@@ -106,27 +101,29 @@ impl ControlLoop {
         order: &Order,
         interrupted: bool,
     ) -> (Option<Sample>, Tick) {
+        self.ticks += 1;
         self.supervise(now_ns, order, interrupted);
-        let path = self.path.as_ref().map(|(path, _)| path);
-        let reading = self.guard.read(now_ns, path, self.speed_m_s);
+        let reading = self
+            .guard
+            .read(now_ns, self.motion.path(), self.motion.speed_m_s());
         self.signals.set_truth(self.guard.truth());
         if self.guard.tripped().is_some() {
             self.signals.trip();
         }
-        let sample = reading.map(|reading| {
-            let sample = self.advance(&reading, order, now_ns);
-            self.keep(reading, &sample);
-            sample
-        });
-        if sample.is_none() {
+        let stopping = self.is_stopping();
+        let felt =
+            reading.map(|reading| (reading, self.advance(&reading, order, stopping, now_ns)));
+        self.tell(now_ns, order, stopping, felt);
+        if felt.is_none() {
             self.ramp_down_blind(now_ns);
         }
         self.signals.controller_lives(now_ns);
         self.last_step_ns = Some(now_ns);
-        let over = self.is_stopping() && self.speed_m_s == 0.0;
+        let over = self.is_stopping() && self.motion.speed_m_s() == 0.0;
         if over {
             self.guard.stop();
         }
+        let sample = felt.map(|(_, sample)| sample);
         (sample, if over { Tick::AtRest } else { Tick::Going })
     }
 
@@ -145,7 +142,7 @@ impl ControlLoop {
         };
         let seconds = |from_ns: u64| now_ns.saturating_sub(from_ns) as f64 * 1e-9;
         let late_s = seconds(last_ns) - 1.0 / self.control.rate_hz;
-        if late_s > COMMAND_PERIODS / self.control.rate_hz && self.speed_m_s != 0.0 {
+        if late_s > COMMAND_PERIODS / self.control.rate_hz && self.motion.speed_m_s() != 0.0 {
             self.guard.trip(Trip::Late { late_s });
         }
         let alive_ns = [order.time_ns, self.signals.follower_alive_ns()];
@@ -157,96 +154,68 @@ impl ControlLoop {
         }
     }
 
-    fn keep(&mut self, reading: Reading, sample: &Sample) {
-        let Some(tap) = self.tap.as_mut().filter(|_| sample.valid) else {
+    fn tell(
+        &mut self,
+        now_ns: u64,
+        order: &Order,
+        stopping: bool,
+        felt: Option<(Reading, Sample)>,
+    ) {
+        let Some(tap) = self.tap.as_mut() else {
             return;
         };
-        let frame = Frame {
-            reading,
-            action: sample.action,
-            demonstration: sample.demonstration,
-            speed_m_s: sample.speed_m_s,
-            settled: sample.settled,
-            truth: self.signals.truth(),
-        };
-        tap(&frame, sample);
+        let truth = self.signals.truth();
+        let felt = felt
+            .filter(|(_, sample)| sample.valid)
+            .map(|(reading, sample)| Felt {
+                frame: Frame {
+                    reading,
+                    action: sample.action,
+                    demonstration: sample.demonstration,
+                    speed_m_s: sample.speed_m_s,
+                    settled: sample.settled,
+                    truth,
+                },
+                sample,
+            });
+        let trip = self.guard.tripped().filter(|_| !self.told);
+        self.told |= trip.is_some();
+        tap(&Period {
+            tick: self.ticks,
+            time_ns: now_ns,
+            order_ns: order.time_ns,
+            stopping,
+            felt,
+            trip,
+        });
     }
 
-    fn advance(&mut self, reading: &Reading, order: &Order, now_ns: u64) -> Sample {
-        let pose = Pose::new(reading.position_m, reading.orientation_xyzw);
-        if self.path.is_none() {
-            self.path = Path::at_grasp(&self.task.joint, &pose).map(|path| (path, pose));
-        }
-        let Some((path, last_pose)) = &mut self.path else {
+    fn advance(&mut self, reading: &Reading, order: &Order, stopping: bool, now_ns: u64) -> Sample {
+        let Some(moved) = self.motion.follow(reading, order, stopping, now_ns) else {
             return Sample::default();
         };
-        *last_pose = pose;
-        let path = path.clone();
-        let index = if order.valid {
-            order.action
-        } else {
-            self.task.stop
-        };
-        let action = &self.task.actions[index];
-        let force_along_n = controller::force_along(&path, &pose, action, reading.force_n);
-        let stopping = self.guard.tripped().is_some() || self.signals.is_finished();
-        let wanted = if stopping {
-            0.0
-        } else {
-            self.control.speed(action, force_along_n)
-        };
-        let (is_stop, sign) = (action.is_stop(), action.sign());
-        let settled = self.is_steady(wanted, now_ns) && !is_stop;
-        self.speed_m_s = self.control.ramp(self.speed_m_s, wanted);
-        self.guard.command(&path, &pose, self.speed_m_s, now_ns);
-
-        // Opening for the stop action, whose sign is 0.
-        let direction = Direction::of(sign);
-        let force = pose.orientation * Vector3::from(reading.force_n);
+        self.guard
+            .command(&moved.path, &moved.pose, moved.sample.speed_m_s, now_ns);
         let sample = Sample {
-            action: index,
-            displacement: path.displacement(&pose),
-            forces_n: path.frame(&pose, direction).decompose(&force),
-            settled,
-            speed_m_s: self.speed_m_s,
-            demonstration: order.demonstration,
-            valid: true,
+            tick: self.ticks,
+            ..moved.sample
         };
-        let moves = !stopping && !is_stop;
-        if let Some(trip) = self.grip.as_mut().and_then(|grip| grip.see(&sample, moves)) {
+        let grip = self.grip.as_mut();
+        if let Some(trip) = grip.and_then(|grip| grip.see(&sample, stopping)) {
             self.guard.trip(trip);
         }
         sample
     }
 
-    /// Whether the arm is held at rest, or has moved with the wanted speed for so long that nothing
-    /// sways any more.
-    fn is_steady(&mut self, wanted_m_s: f64, now_ns: u64) -> bool {
-        if !is_settled(self.speed_m_s, wanted_m_s) {
-            self.steady = None;
-            return false;
-        }
-        let known = self
-            .steady
-            .filter(|&(speed_m_s, _)| speed_m_s == wanted_m_s);
-        let (_, since_ns) = *self.steady.insert(known.unwrap_or((wanted_m_s, now_ns)));
-        wanted_m_s == 0.0 || now_ns.saturating_sub(since_ns) as f64 * 1e-9 >= SWAY_S
-    }
-
     /// Without a reading the last known pose must do; the guard has tripped.
     fn ramp_down_blind(&mut self, now_ns: u64) {
-        self.speed_m_s = self.control.ramp(self.speed_m_s, 0.0);
-        match &self.path {
+        self.motion.brake();
+        match self.motion.last() {
             Some((path, pose)) => {
                 self.guard
-                    .command(&path.clone(), &pose.clone(), self.speed_m_s, now_ns)
+                    .command(path, pose, self.motion.speed_m_s(), now_ns);
             }
             None => self.guard.stop(),
         }
     }
-}
-
-/// Whether the speed is the wanted one already: then nothing accelerates.
-fn is_settled(speed_m_s: f64, wanted_m_s: f64) -> bool {
-    (speed_m_s - wanted_m_s).abs() <= SETTLED_SHARE * wanted_m_s.abs().max(1e-6)
 }

@@ -9,6 +9,7 @@ use pubs_core::shield::{self, Shield};
 
 use crate::loops::Follower;
 use crate::messages::{BeliefMessage, Sample};
+use crate::recording::{BeliefStep, Tape, histogram};
 
 /// So many recoveries are told in words; the rest are counted.
 const NOTES: usize = 20;
@@ -20,18 +21,21 @@ pub struct FilterLoop {
     channels: Vec<String>,
     shield: Option<Shield>,
     previous: Option<Sample>,
+    steps: u64,
     observation: Vec<f32>,
     allowed: Vec<bool>,
     notes: Vec<String>,
+    tape: Option<Tape>,
 }
 
 impl FilterLoop {
-    /// A loop around a filter; `channels` are its model's.
+    /// A loop around a filter; `channels` are its model's, `tape` records every step.
     pub fn new(
         task: Arc<Task>,
         filter: Filter,
         channels: Vec<String>,
         shield: Option<Shield>,
+        tape: Option<Tape>,
     ) -> Self {
         Self {
             observation: vec![0.0; channels.len()],
@@ -41,7 +45,9 @@ impl FilterLoop {
             channels,
             shield,
             previous: None,
+            steps: 0,
             notes: Vec::new(),
+            tape,
         }
     }
 
@@ -72,18 +78,45 @@ impl FilterLoop {
             .fold(0, |bits, (index, &allowed)| {
                 bits | (u64::from(allowed) << index)
             });
+        Ok(self.message(sample, bits))
+    }
+
+    fn message(&self, sample: &Sample, allowed: u64) -> BeliefMessage {
         let mut readings = BeliefMessage::default().readings;
         for (reading, observed) in readings.iter_mut().zip(&self.observation) {
             *reading = *observed;
         }
-        Ok(BeliefMessage {
+        BeliefMessage {
+            step: self.steps,
             summary: self.filter.summary(),
             readings,
-            allowed: bits,
+            allowed,
             displacement: sample.displacement,
             speed_m_s: sample.speed_m_s,
             valid: sample.valid,
-        })
+        }
+    }
+
+    fn record(&self, now_ns: u64, sample: &Sample, result: &Result<BeliefMessage, String>) {
+        let Some(tape) = &self.tape else {
+            return;
+        };
+        let joint = &self.task.joint;
+        tape.belief(BeliefStep {
+            time_ns: now_ns,
+            tick: sample.tick,
+            message: result
+                .as_ref()
+                .map_or_else(|_| self.message(sample, 0), Clone::clone),
+            histogram: histogram(
+                self.filter.states(),
+                self.filter.log_weights(),
+                joint.lower,
+                joint.upper,
+            ),
+            recoveries: self.filter.recoveries(),
+            error: result.as_ref().err().cloned(),
+        });
     }
 
     fn follow(&mut self, sample: &Sample) -> Result<(), BeliefError> {
@@ -145,7 +178,10 @@ impl Follower for FilterLoop {
     type Message = BeliefMessage;
 
     /// One tick with the newest sample. It fails where the belief cannot explain what is felt.
-    fn step(&mut self, _now_ns: u64, sample: &Sample) -> Result<BeliefMessage, String> {
-        self.belief(sample).map_err(|error| error.to_string())
+    fn step(&mut self, now_ns: u64, sample: &Sample) -> Result<BeliefMessage, String> {
+        self.steps += 1;
+        let result = self.belief(sample).map_err(|error| error.to_string());
+        self.record(now_ns, sample, &result);
+        result
     }
 }

@@ -50,6 +50,7 @@ const STATES: usize = 400;
 /// Watches the samples of a run.
 #[derive(Debug, Clone)]
 pub struct GripWatch {
+    stop: usize,
     rate_hz: f64,
     per_metre: f64,
     hard_n: f64,
@@ -81,6 +82,7 @@ impl GripWatch {
     pub fn new(task: &Task, control: &Control, model: &dyn Model) -> Result<Self, ModelError> {
         let least_n = least_felt_n(task, control, model)?;
         Ok(Self {
+            stop: task.stop,
             rate_hz: control.rate_hz,
             per_metre: task.joint.per_metre(),
             hard_n: HARD_SHARE * control.force_threshold_n,
@@ -91,8 +93,9 @@ impl GripWatch {
         })
     }
 
-    /// The next control period; `moves` where the action in force asks for motion.
-    pub fn see(&mut self, sample: &Sample, moves: bool) -> Option<Trip> {
+    /// The next control period; `stopping` where the arm comes to rest whatever is ordered.
+    pub fn see(&mut self, sample: &Sample, stopping: bool) -> Option<Trip> {
+        let moves = !stopping && sample.action != self.stop;
         self.lost(sample).or_else(|| self.is_held(sample, moves))
     }
 
@@ -220,6 +223,7 @@ mod tests {
 
     fn watch(least_n: Option<f64>) -> GripWatch {
         GripWatch {
+            stop: 0,
             rate_hz: RATE_HZ,
             per_metre: 1.0,
             hard_n: 7.5,
@@ -238,13 +242,14 @@ mod tests {
     ) -> Option<(f64, Trip)> {
         (1..=(seconds * RATE_HZ) as u32).find_map(|tick| {
             let time_s = f64::from(tick) / RATE_HZ;
-            watch.see(&sample(time_s), true).map(|trip| (time_s, trip))
+            watch.see(&sample(time_s), false).map(|trip| (time_s, trip))
         })
     }
 
     fn moving(time_s: f64, forces_n: [f64; 3]) -> Sample {
         Sample {
             displacement: 0.05 * time_s,
+            action: 1,
             forces_n,
             speed_m_s: 0.05,
             ..Sample::default()
@@ -294,6 +299,7 @@ mod tests {
     fn a_handle_is_held_only_while_it_is_pushed_hard_and_stays() {
         let pushed = |displacement, force_n| Sample {
             displacement,
+            action: 1,
             forces_n: [force_n, 0.0, 0.0],
             settled: true,
             ..Sample::default()

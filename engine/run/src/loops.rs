@@ -57,8 +57,34 @@ pub enum Verdict {
     Violation(String),
 }
 
+/// One tick of the controller, as it saw it.
+#[derive(Debug, Clone, Copy)]
+pub struct Period<'a> {
+    /// Its number, from 1.
+    pub tick: u64,
+    /// When it came.
+    pub time_ns: u64,
+    /// [`Order::time_ns`] of the order in force.
+    pub order_ns: u64,
+    /// Whether the arm was to come to rest whatever was ordered.
+    pub stopping: bool,
+    /// What was felt; `None` where the driver gave no reading that can be used.
+    pub felt: Option<Felt>,
+    /// Why the guard stopped the arm, in the first tick that knows of it.
+    pub trip: Option<&'a Trip>,
+}
+
+/// A reading and what the controller made of it.
+#[derive(Debug, Clone, Copy)]
+pub struct Felt {
+    /// For a recording.
+    pub frame: Frame,
+    /// For the follower.
+    pub sample: Sample,
+}
+
 /// Gets every control period, in the controller's thread: it must never wait.
-pub type Tap = Box<dyn FnMut(&Frame, &Sample) + Send>;
+pub type Tap = Box<dyn FnMut(&Period<'_>) + Send>;
 
 /// How often the slower loops step, and how they are called.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -9,6 +9,8 @@ use pubs_core::observation::ARM_CHANNELS;
 /// Controller to filter: one control period.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Sample {
+    /// Number of the controller's tick, from 1; 0: there is no sample.
+    pub tick: u64,
     /// Index of the action in force.
     pub action: usize,
     /// Joint displacement since the grasp (rad or m).
@@ -27,8 +29,10 @@ pub struct Sample {
 }
 
 /// Filter to policy.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BeliefMessage {
+    /// Number of the filter's step, from 1; 0: there is no belief.
+    pub step: u64,
     /// Mean and entropy.
     pub summary: Summary,
     /// The newest reading of each of the model's channels that counted, 0 before the first.
@@ -46,6 +50,7 @@ pub struct BeliefMessage {
 impl Default for BeliefMessage {
     fn default() -> Self {
         Self {
+            step: 0,
             summary: Summary {
                 mean: 0.0,
                 entropy: 1.0,

@@ -13,6 +13,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use crate::actor::Actor;
 use crate::loops::{Chooser, Verdict};
 use crate::messages::{BeliefMessage, Order, Signals, Status};
+use crate::recording::{Choice, ChoiceVerdict, Tape};
 use crate::report::{BeliefReport, GoalReport, JudgedBy, Outcome};
 use crate::run::GoalPlan;
 
@@ -49,11 +50,16 @@ pub struct PolicyLoop {
     /// Displacement of the handle when the latest action was chosen (rad or m).
     chosen_at: f64,
     action: usize,
+    /// Steps of the loop, whatever they were for.
+    ticks: u64,
+    /// The true state as this step judges by it.
+    truth: Option<f64>,
+    tape: Option<Tape>,
 }
 
 impl PolicyLoop {
     /// A loop for goals that name their policies by index; `seed` is for policies with a random
-    /// input.
+    /// input, `tape` records every step.
     pub fn new(
         task: Arc<Task>,
         policies: Vec<Actor>,
@@ -61,8 +67,12 @@ impl PolicyLoop {
         max_steps: u32,
         signals: Signals,
         seed: u64,
+        tape: Option<Tape>,
     ) -> Self {
         Self {
+            ticks: 0,
+            truth: None,
+            tape,
             action: task.stop,
             actions_used: vec![0; task.actions.len()],
             task,
@@ -140,8 +150,7 @@ impl PolicyLoop {
         self.actions_used[index] += 1;
         let action = &self.task.actions[index];
         if self
-            .signals
-            .truth()
+            .truth
             .is_some_and(|state| violates_safety(&self.task.joint, action, state))
         {
             self.action = self.task.stop;
@@ -220,8 +229,26 @@ impl Chooser for PolicyLoop {
 
     /// One tick with the newest belief. It fails where the policy gives no action.
     fn step(&mut self, now_ns: u64, belief: &BeliefMessage) -> Result<(Order, Verdict), String> {
-        self.choose(now_ns, belief)
-            .map_err(|error| error.to_string())
+        self.ticks += 1;
+        self.truth = self.signals.truth();
+        let goal = self.goal;
+        let result = self
+            .choose(now_ns, belief)
+            .map_err(|error| error.to_string());
+        if let Some(tape) = &self.tape {
+            let verdict = result.as_ref().map(|(_, verdict)| verdict.into());
+            tape.choice(Choice {
+                step: self.ticks,
+                time_ns: now_ns,
+                belief: belief.step,
+                truth: self.truth,
+                goal,
+                action: self.action,
+                verdict: verdict.unwrap_or(ChoiceVerdict::Going),
+                error: result.as_ref().err().cloned(),
+            });
+        }
+        result
     }
 
     fn status(&self, now_ns: u64) -> Status {

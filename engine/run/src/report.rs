@@ -110,8 +110,12 @@ pub struct RunReport {
     pub lateness: LatenessReport,
     /// Whether the kernel granted real-time scheduling.
     pub real_time: bool,
-    /// The recording, once there is one.
+    /// The recording; null where none was made.
     pub recording: Option<String>,
+    /// Entries that the recording lacks because the disk was too slow.
+    pub recording_dropped: u64,
+    /// Why the recording ends early, in words.
+    pub recording_fault: Option<String>,
     /// How often the belief's recovery rule acted.
     pub recoveries: u32,
     /// Each of the first recoveries in words.

@@ -14,9 +14,10 @@ use crate::arm::Arm;
 use crate::filter_loop::FilterLoop;
 use crate::grip::GripWatch;
 use crate::guard::Trip;
-use crate::loops::{Drive, Driven, Rates};
+use crate::loops::{Drive, Driven, Period, Rates, Tap};
 use crate::messages::{Signals, Status};
 use crate::policy_loop::PolicyLoop;
+use crate::recording::RunRecorder;
 use crate::report::{Outcome, RunReport};
 
 /// One goal and which of the policies serves it.
@@ -88,6 +89,23 @@ pub fn run(
     options: &RunOptions,
     watch: &mut dyn FnMut(&Status),
 ) -> Result<RunReport, RunError> {
+    run_recorded(task, arm, model, policies, options, None, watch)
+}
+
+/// The same, and a recorder keeps what happens; trouble with it never stops the arm and is in the
+/// report.
+///
+/// # Errors
+/// [`RunError`] before anything moves; later trouble is in the report.
+pub fn run_recorded(
+    task: &Arc<Task>,
+    arm: Box<dyn Arm>,
+    model: Arc<dyn Model>,
+    policies: Vec<Actor>,
+    options: &RunOptions,
+    recorder: Option<RunRecorder>,
+    watch: &mut dyn FnMut(&Status),
+) -> Result<RunReport, RunError> {
     let control = task
         .control
         .ok_or_else(|| RunError::Abstract(task.name.clone()))?;
@@ -101,7 +119,14 @@ pub fn run(
     let signals = Signals::new();
     let filter = Filter::new(task, model);
     let vector_unit = filter.vector_unit().to_string();
-    let follower = FilterLoop::new(Arc::clone(task), filter, channels, options.shield);
+    let tape = recorder.as_ref().map(RunRecorder::tape);
+    let follower = FilterLoop::new(
+        Arc::clone(task),
+        filter,
+        channels,
+        options.shield,
+        tape.clone(),
+    );
     let chooser = PolicyLoop::new(
         Arc::clone(task),
         policies,
@@ -109,6 +134,7 @@ pub fn run(
         options.max_steps,
         signals.clone(),
         stream(options.seed, "random entropy"),
+        tape.clone(),
     );
     let rates = Rates {
         names: ["filter", "policy"],
@@ -123,12 +149,29 @@ pub fn run(
         chooser,
         &rates,
         signals.clone(),
-        None,
+        tape.map(|tape| Box::new(move |period: &Period<'_>| tape.period(period)) as Tap),
         Arc::clone(&options.interrupt),
     )
     .watching(grip);
     let driven = drive.run(options.lockstep, watch);
-    Ok(sum_up(task, options, &signals, vector_unit, driven))
+    let end_ns = driven.end_ns;
+    let report = sum_up(task, options, &signals, vector_unit, driven);
+    Ok(match recorder {
+        Some(recorder) => close(recorder, end_ns, report),
+        None => report,
+    })
+}
+
+/// Writes the last words of a recording; the report with what became of it.
+fn close(recorder: RunRecorder, end_ns: u64, report: RunReport) -> RunReport {
+    let file = recorder.file().display().to_string();
+    let finished = recorder.finish(end_ns, report.reason.clone(), report.lateness, &report);
+    RunReport {
+        recording: Some(file),
+        recording_dropped: finished.dropped,
+        recording_fault: finished.result.err().map(|error| error.to_string()),
+        ..report
+    }
 }
 
 fn check(
@@ -200,6 +243,8 @@ fn sum_up(
         lateness: driven.lateness,
         real_time: driven.real_time,
         recording: None,
+        recording_dropped: 0,
+        recording_fault: None,
         recoveries,
         notes,
         vector_unit,

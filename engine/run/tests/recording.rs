@@ -605,7 +605,7 @@ fn what_is_no_recording_is_refused_with_the_reason() {
         }
         fields
     };
-    made_up(&at("version"), Some(&with("format", "2")), &[]);
+    made_up(&at("version"), Some(&with("format", "3")), &[]);
     made_up(&at("sensor"), Some(&with("sensor", "")), &[]);
     let pose_alone = [("/pose", 0, sound(0)[0].2.to_string())];
     made_up(&at("pose"), Some(&FIELDS), &pose_alone);
@@ -614,7 +614,7 @@ fn what_is_no_recording_is_refused_with_the_reason() {
         ("text", "not an MCAP file"),
         ("empty", "before it says what was recorded"),
         ("foreign", "not a recording of this program"),
-        ("version", "`format` is \"2\"; expected the version 1"),
+        ("version", "`format` is \"3\"; expected the version 1 or 2"),
         ("sensor", "`sensor` is missing"),
         ("pose", "there are no messages on /wrench"),
     ];

@@ -14,7 +14,9 @@ use std::sync::mpsc;
 
 use pubs_core::Task;
 use pubs_run::recording::{Done, Frame};
-use pubs_run::{Arm, ArmError, Drive, Follower, LatenessReport, Rates, Sample, Signals, Trip};
+use pubs_run::{
+    Arm, ArmError, Drive, Follower, LatenessReport, Period, Rates, Sample, Signals, Trip,
+};
 
 pub use baseline::{Baseline, BaselineLimits};
 pub use demonstrator::RecordStatus;
@@ -137,10 +139,13 @@ pub fn record(
         options.done.clone(),
         events,
     );
-    let tap = Box::new(move |frame: &Frame, sample: &Sample| {
-        keeper.frame(frame, sample);
+    let tap = Box::new(move |period: &Period<'_>| {
+        let Some(felt) = &period.felt else {
+            return;
+        };
+        keeper.frame(&felt.frame, &felt.sample);
         for done in heard.try_iter() {
-            keeper.done(frame.reading.time_ns, done);
+            keeper.done(felt.frame.reading.time_ns, done);
         }
     });
     // The demonstrator decides as often as the controller steps, so that a high-force stroke ends

@@ -8,6 +8,7 @@ pub mod evaluate;
 pub mod plot;
 pub mod plugin_check;
 pub mod plugins;
+pub mod replay;
 pub mod reproduce;
 pub mod run;
 pub mod solve;

@@ -15,6 +15,7 @@ use crate::failure::Failure;
 use crate::object::Ready;
 use crate::options::{FrequencyOptions, ObjectOptions, RuntimeOptions};
 use crate::policies::{self, MAX_STEPS};
+use crate::recorded::{self, RecordingOptions, Setup};
 use crate::verbs::evaluate::parse_goal;
 use crate::{Ended, built_in, exit, interrupt, object, show};
 
@@ -57,6 +58,8 @@ pub struct Arguments {
     seed: u64,
     #[command(flatten)]
     runtime: RuntimeOptions,
+    #[command(flatten)]
+    recording: RecordingOptions,
     /// One JSON object on stdout
     #[arg(long)]
     json: bool,
@@ -91,6 +94,15 @@ pub fn run(arguments: &Arguments) -> Ended {
         .map_err(|error| Failure::incompatible(error.to_string()))?;
     let arm = driver::open(&ready.task, &registry, &arguments.driver, arguments.seed)?;
     driver::check_sensor(&ready.task, &arm, arguments.driver.accept_sensor)?;
+    let setup = Setup {
+        ready: &ready,
+        object: &arguments.object.object,
+        overrides: &arguments.driver.overrides(layers),
+        belief_frequency: arguments.frequency.belief_frequency,
+        policy: &file,
+        runtime: &runtime,
+        arm: &arm,
+    };
     let options = RunOptions {
         goals: goals
             .iter()
@@ -103,14 +115,16 @@ pub fn run(arguments: &Arguments) -> Ended {
         policy: file.path().display().to_string(),
         interrupt,
     };
+    let recorder = recorded::recorder(&arguments.recording, &setup, &options)?;
     let bar = status_line();
     let mut watch = |status: &Status| bar.set_message(status_text(&ready.task, &goals, status));
-    let report = pubs_run::run(
+    let report = pubs_run::run_recorded(
         &ready.task,
         Box::new(arm),
         Arc::clone(&ready.model),
         vec![policy],
         &options,
+        recorder,
         &mut watch,
     );
     bar.finish_and_clear();
@@ -120,6 +134,9 @@ pub fn run(arguments: &Arguments) -> Ended {
     }
     if let Some(reason) = &report.reason {
         show::say(&format!("stopped: {reason}"));
+    }
+    if let Some(trouble) = recorded::trouble(&report) {
+        show::say(&format!("warning: {trouble}"));
     }
     if arguments.json {
         show::print_json(&report)?;
@@ -136,14 +153,13 @@ fn code(report: &RunReport) -> u8 {
         Outcome::SafetyStop => exit::SAFETY_STOP,
         Outcome::Fault => exit::FAULT,
     };
-    match code(report.outcome) {
-        exit::DONE => report
-            .goals
-            .iter()
-            .map(|goal| code(goal.outcome))
-            .max()
-            .unwrap_or(exit::DONE),
-        other => other,
+    let worst_goal = report.goals.iter().map(|goal| code(goal.outcome)).max();
+    match (code(report.outcome), worst_goal) {
+        (exit::DONE, Some(exit::DONE) | None) if recorded::trouble(report).is_some() => {
+            exit::MISSED
+        }
+        (exit::DONE, worst_goal) => worst_goal.unwrap_or(exit::DONE),
+        (other, _) => other,
     }
 }
 
@@ -219,6 +235,7 @@ fn summary(joint: &Joint, report: &RunReport) -> String {
             late.p50_us, late.p99_us, late.max_us, late.missed
         );
     }
+    text += &recorded::summary(report);
     text.trim_end().to_owned()
 }
 

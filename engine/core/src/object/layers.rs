@@ -84,6 +84,13 @@ impl Overrides {
     }
 }
 
+impl Overrides {
+    /// Each as the user typed it, lowest layer first.
+    pub fn typed(&self) -> Vec<String> {
+        self.0.iter().filter_map(Origin::typed).collect()
+    }
+}
+
 /// One override, taken apart.
 struct Override {
     origin: Origin,

@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use figment::value::Dict;
+
 use super::document::{self, Document};
 use super::fault::{Fault, Faults};
 use super::layers::{self, Merged, Overrides};
@@ -17,6 +19,7 @@ pub struct LoadedObject {
     /// The values, in the file's units.
     pub file: ObjectFile,
     places: Places,
+    merged: Dict,
 }
 
 impl LoadedObject {
@@ -28,6 +31,15 @@ impl LoadedObject {
     /// The text of the file.
     pub fn text(&self) -> &str {
         &self.places.text
+    }
+
+    /// The object with defaults and overrides in it, as one TOML text that needs neither: loaded
+    /// again without overrides it gives the same values.
+    ///
+    /// # Errors
+    /// In words, where a value has no form in TOML.
+    pub fn resolved_text(&self) -> Result<String, String> {
+        toml::to_string(&self.merged).map_err(|error| error.to_string())
     }
 
     /// Where the value of a key was written (`joint.limits_deg`, `observation.segment.3.to_deg`);
@@ -199,7 +211,11 @@ fn syntax_faults(places: &Places, errors: Vec<document::SyntaxError>) -> Faults 
 /// structs disagree, and is shown rather than hidden.
 fn extract(merged: &Merged, places: Places) -> Result<LoadedObject, Faults> {
     match merged.figment.extract::<ObjectFile>() {
-        Ok(file) => Ok(LoadedObject { file, places }),
+        Ok(file) => Ok(LoadedObject {
+            file,
+            places,
+            merged: merged.values.clone(),
+        }),
         Err(error) => {
             let help = "this is a fault of the engine: its key table allows what it cannot read";
             let fault = |error: figment::Error| {

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use mcap::McapError;
 
+use super::RUN_FORMAT_VERSION;
+
 /// Why a recording cannot be written or read. Each names the file, the reason and the cure.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RecordingError {
@@ -58,6 +60,22 @@ pub enum RecordingError {
         found: String,
         /// What it should be.
         rule: String,
+    },
+    /// A calibration's recording, where a run's is needed.
+    #[error("{}: a recording of format {format}, which does not hold what each loop saw (`calibrate` writes it, as did `run` of older versions); a replay needs format {RUN_FORMAT_VERSION}: make the run again with this version of the program", file.display())]
+    NoRun {
+        /// The file.
+        file: PathBuf,
+        /// Its format.
+        format: u32,
+    },
+    /// A part without which nothing can be replayed is cut off or damaged.
+    #[error("{}: {part} is cut off or damaged, and without it nothing can be replayed; make the run again", file.display())]
+    Lacks {
+        /// The file.
+        file: PathBuf,
+        /// What is not there.
+        part: String,
     },
     /// Another program has compressed it.
     #[error("{}: its chunks are compressed ({compression}), which this program does not read; write it uncompressed with `mcap compress --compression none`", file.display())]

@@ -41,6 +41,15 @@ impl Header {
     pub fn from_fields<'f>(
         field: impl Fn(&str) -> Option<&'f str>,
     ) -> Result<Self, Vec<HeaderFault>> {
+        Self::of_formats(&[FORMAT_VERSION], field)
+    }
+
+    /// The same of any of these formats.
+    pub(super) fn of_formats<'f>(
+        formats: &[u32],
+        field: impl Fn(&str) -> Option<&'f str>,
+    ) -> Result<Self, Vec<HeaderFault>> {
+        let known: Vec<String> = formats.iter().map(u32::to_string).collect();
         let mut fields = Fields {
             field: &field,
             faults: Vec::new(),
@@ -49,8 +58,8 @@ impl Header {
             format: fields.take(
                 "format",
                 "1",
-                &format!("the version {FORMAT_VERSION}"),
-                |text| text.parse().ok().filter(|&format| format == FORMAT_VERSION),
+                &format!("the version {}", known.join(" or ")),
+                |text| text.parse().ok().filter(|format| formats.contains(format)),
             ),
             engine: fields.take("engine", env!("CARGO_PKG_VERSION"), TEXT, read_text),
             object: fields.take("object", "door2", TEXT, read_text),

@@ -1,14 +1,14 @@
 //! Messages as they are written; [`topic`](super::topic) has their schemas.
 
 use pubs_plugin::{DriverStatus, Reading};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Done, Frame, Observation};
 use crate::report::LatenessReport;
 
 const NS_PER_SECOND: u64 = 1_000_000_000;
 
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
 pub(super) struct Time {
     sec: u64,
     nsec: u64,
@@ -23,11 +23,19 @@ impl From<u64> for Time {
     }
 }
 
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
 pub(super) struct Xyz {
     x: f64,
     y: f64,
     z: f64,
+}
+
+impl Time {
+    pub fn ns(&self) -> u64 {
+        self.sec
+            .saturating_mul(NS_PER_SECOND)
+            .saturating_add(self.nsec)
+    }
 }
 
 impl From<[f64; 3]> for Xyz {

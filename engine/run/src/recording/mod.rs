@@ -14,10 +14,22 @@
 //! | `/guard` | `pubs.Guard` | why the guard stopped the arm |
 //! | `/timing` | `pubs.Timing` | how late the loops were |
 //!
+//! A run has these beside them (`steps`); with them it can be replayed exactly:
+//!
+//! | topic | schema | what |
+//! |---|---|---|
+//! | `/limits` | `pubs.Limits` | range, goals and goal regions, once |
+//! | `/controller` | `pubs.Controller` | each tick of the controller: number, order in force |
+//! | `/belief` | `pubs.Belief` | each step of the filter: the tick it took in; mean, entropy, histogram |
+//! | `/policy` | `pubs.Policy` | each step of the policy: the belief it took in; the action chosen |
+//! | `/dropped` | `pubs.Dropped` | how many entries were lost so far, where any were |
+//!
 //! The metadata record `pubs-engine` holds the [`Header`], the attachment `object.toml` the object
-//! file as it was; both stand at the start, so that a file that is cut off still has them.
-//! [`RecordingWriter`] writes, [`Recorder`] does so beside a control loop, [`read`] reads whatever
-//! is left of a file.
+//! file as it was; both stand at the start, so that a file that is cut off still has them. A run
+//! adds the metadata record `pubs-engine run` ([`RunHeader`]), `object.resolved.toml` with defaults
+//! and overrides in it, its policies, and at the end `report.json`.
+//! [`RecordingWriter`] writes, [`Recorder`] does so beside a control loop and [`RunRecorder`]
+//! beside the three of a run; [`read`] and [`read_run`] read whatever is left of a file.
 
 mod error;
 mod header;
@@ -27,6 +39,13 @@ mod queue;
 mod read;
 mod recorder;
 mod records;
+mod run_header;
+mod run_message;
+mod run_read;
+mod run_schema;
+mod run_write;
+mod steps;
+mod tape;
 #[cfg(test)]
 mod testing;
 mod topic;
@@ -37,13 +56,23 @@ pub use header::{HeaderFault, joint_name};
 pub use message::{status_name, status_named};
 pub use read::read;
 pub use recorder::{Finished, Recorder};
+pub use run_header::{PolicyNote, RunHeader};
+pub use run_read::{RunRecording, read_run};
+pub use run_write::RunPreface;
+pub use steps::{BINS, BeliefStep, Choice, ChoiceVerdict, Limits, Tick, histogram};
+pub use tape::RunRecorder;
+pub(crate) use tape::Tape;
 pub use write::RecordingWriter;
 
 use pubs_plugin::{JointType, Reading};
 use serde::{Deserialize, Serialize};
 
-/// Version of the layout of topics and metadata; others are refused.
+/// Version of the layout of topics and metadata that calibrations have.
 pub const FORMAT_VERSION: u32 = 1;
+
+/// Version of the layout that runs have: the same frames, and what each loop saw. Whoever needs
+/// frames alone reads both, a replay this one alone.
+pub const RUN_FORMAT_VERSION: u32 = 2;
 
 /// Name of the metadata record that holds the header.
 const METADATA: &str = "pubs-engine";
@@ -51,7 +80,7 @@ const METADATA: &str = "pubs-engine";
 /// What a recording says of itself.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Header {
-    /// [`FORMAT_VERSION`] of the writer.
+    /// [`FORMAT_VERSION`] or [`RUN_FORMAT_VERSION`] of the writer.
     pub format: u32,
     /// Version of the engine that wrote it.
     pub engine: String,

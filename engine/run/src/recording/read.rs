@@ -9,7 +9,7 @@ use mcap::MAGIC;
 use super::join::{Joined, join};
 use super::records::{Contents, End, contents};
 use super::topic::Topic;
-use super::{Header, METADATA, Recording, RecordingError};
+use super::{FORMAT_VERSION, Header, METADATA, RUN_FORMAT_VERSION, Recording, RecordingError};
 
 /// Reads a recording. Of a file that is cut off or damaged everything readable is returned, and
 /// [`Recording::loss`] says what is missing.
@@ -18,31 +18,10 @@ use super::{Header, METADATA, Recording, RecordingError};
 /// Where the file is no recording, or is one of another version of the format; the first message
 /// with a value that is missing or not finite, or with an action that the header does not name.
 pub fn read(file: &Path) -> Result<Recording, RecordingError> {
-    let bytes = fs::read(file).map_err(|error| RecordingError::Read {
-        file: file.to_owned(),
-        reason: error.to_string(),
-    })?;
-    let file = file.to_owned();
-    if !bytes.starts_with(MAGIC) {
-        return Err(if MAGIC.starts_with(&bytes) {
-            RecordingError::Headless { file }
-        } else {
-            RecordingError::NotMcap { file }
-        });
-    }
+    let bytes = bytes_of(file)?;
     let contents = contents(&bytes);
-    let header = match &contents.metadata {
-        Some(metadata) => header(&file, metadata)?,
-        None if contents.end == End::Complete => return Err(RecordingError::Foreign { file }),
-        None => return Err(RecordingError::Headless { file }),
-    };
-    if let Some(compression) = contents.compression {
-        return Err(RecordingError::Compressed { file, compression });
-    }
-    let joined = join(&file, &header.actions, &contents)?;
-    if let Some(topic) = silent_topic(&contents) {
-        return Err(RecordingError::NoMessages { file, topic });
-    }
+    let header = header_of(file, &contents, &[FORMAT_VERSION, RUN_FORMAT_VERSION])?;
+    let joined = frames(file, &header, &contents)?;
     Ok(Recording {
         header,
         loss: loss(&contents, &joined),
@@ -51,8 +30,60 @@ pub fn read(file: &Path) -> Result<Recording, RecordingError> {
     })
 }
 
-fn header(file: &Path, metadata: &BTreeMap<String, String>) -> Result<Header, RecordingError> {
-    Header::from_fields(|key| metadata.get(key).map(String::as_str)).map_err(|faults| {
+/// The bytes of an MCAP file.
+pub(super) fn bytes_of(file: &Path) -> Result<Vec<u8>, RecordingError> {
+    let bytes = fs::read(file).map_err(|error| RecordingError::Read {
+        file: file.to_owned(),
+        reason: error.to_string(),
+    })?;
+    let file = file.to_owned();
+    if bytes.starts_with(MAGIC) {
+        Ok(bytes)
+    } else if MAGIC.starts_with(&bytes) {
+        Err(RecordingError::Headless { file })
+    } else {
+        Err(RecordingError::NotMcap { file })
+    }
+}
+
+/// The header, of one of these formats.
+pub(super) fn header_of(
+    file: &Path,
+    contents: &Contents<'_>,
+    formats: &[u32],
+) -> Result<Header, RecordingError> {
+    let file = file.to_owned();
+    match &contents.metadata {
+        Some(metadata) => header(&file, metadata, formats),
+        None if contents.end == End::Complete => Err(RecordingError::Foreign { file }),
+        None => Err(RecordingError::Headless { file }),
+    }
+}
+
+/// The frames of a file.
+pub(super) fn frames(
+    file: &Path,
+    header: &Header,
+    contents: &Contents<'_>,
+) -> Result<Joined, RecordingError> {
+    let file = file.to_owned();
+    if let Some(compression) = contents.compression.clone() {
+        return Err(RecordingError::Compressed { file, compression });
+    }
+    let joined = join(&file, &header.actions, contents)?;
+    if let Some(topic) = silent_topic(contents) {
+        return Err(RecordingError::NoMessages { file, topic });
+    }
+    Ok(joined)
+}
+
+fn header(
+    file: &Path,
+    metadata: &BTreeMap<String, String>,
+    formats: &[u32],
+) -> Result<Header, RecordingError> {
+    let field = |key: &str| metadata.get(key).map(String::as_str);
+    Header::of_formats(formats, field).map_err(|faults| {
         let fault = faults.into_iter().next();
         RecordingError::Header {
             file: file.to_owned(),
@@ -84,7 +115,7 @@ fn silent_topic(contents: &Contents<'_>) -> Option<&'static str> {
 }
 
 /// What is missing, in words.
-fn loss(contents: &Contents<'_>, joined: &Joined) -> Option<String> {
+pub(super) fn loss(contents: &Contents<'_>, joined: &Joined) -> Option<String> {
     let extent = extent(joined);
     let mut losses = Vec::new();
     match contents.end {

@@ -10,6 +10,7 @@ use mcap::MAGIC;
 use mcap::records::{Record, op};
 
 use super::METADATA;
+use super::run_header::RUN_METADATA;
 
 /// Opcode and length before each record.
 const PREFIX: usize = 1 + 8;
@@ -19,6 +20,10 @@ const PREFIX: usize = 1 + 8;
 pub(super) struct Contents<'a> {
     /// The metadata of that name.
     pub metadata: Option<BTreeMap<String, String>>,
+    /// The metadata that runs have beside it.
+    pub run_metadata: Option<BTreeMap<String, String>>,
+    /// Attachments by name, those alone whose checksum is right.
+    pub attachments: BTreeMap<String, &'a [u8]>,
     /// Names of topics.
     pub topics: BTreeMap<u16, String>,
     /// In the order of the file.
@@ -103,6 +108,10 @@ pub(super) fn contents(bytes: &[u8]) -> Contents<'_> {
 
 impl<'a> Contents<'a> {
     fn record(&mut self, opcode: u8, body: &'a [u8], doubtful: bool) {
+        if opcode == op::ATTACHMENT {
+            self.attachments.extend(attachment(body));
+            return;
+        }
         if !matches!(opcode, op::CHANNEL | op::MESSAGE | op::METADATA) {
             return;
         }
@@ -112,6 +121,9 @@ impl<'a> Contents<'a> {
             }
             Ok(Record::Metadata(metadata)) if metadata.name == METADATA => {
                 self.metadata = Some(metadata.metadata);
+            }
+            Ok(Record::Metadata(metadata)) if metadata.name == RUN_METADATA => {
+                self.run_metadata = Some(metadata.metadata);
             }
             Ok(Record::Message { header, .. }) => self.messages.push(RawMessage {
                 channel: header.channel_id,
@@ -166,6 +178,31 @@ impl<'a> Contents<'a> {
 /// Bytes of a message before its data: channel, sequence, two times.
 const MESSAGE_HEADER: usize = 2 + 4 + 8 + 8;
 
+/// Name and content of an attachment; `None` where its lengths or its checksum are wrong.
+fn attachment(body: &[u8]) -> Option<(String, &[u8])> {
+    let (sound, checksum) = body.split_last_chunk()?;
+    let checksum = u32::from_le_bytes(*checksum);
+    if checksum != 0 && crc32fast::hash(sound) != checksum {
+        return None;
+    }
+    let rest = sound.get(ATTACHMENT_TIMES..)?;
+    let (name, rest) = text(rest)?;
+    let (_media_type, rest) = text(rest)?;
+    let (length, data) = rest.split_first_chunk()?;
+    let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
+    let name = String::from_utf8_lossy(name).into_owned();
+    (length == data.len()).then_some((name, data))
+}
+
+/// Bytes of an attachment before its name.
+const ATTACHMENT_TIMES: usize = 8 + 8;
+
+/// A text with its length before it, and what follows.
+fn text(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+    let (length, rest) = bytes.split_first_chunk()?;
+    rest.split_at_checked(u32::from_le_bytes(*length) as usize)
+}
+
 /// A chunk, or the beginning of one.
 struct Chunk<'a> {
     from_ns: u64,
@@ -182,9 +219,7 @@ impl<'a> Chunk<'a> {
         let (to, rest) = rest.split_first_chunk()?;
         let (_uncompressed_length, rest) = rest.split_first_chunk::<8>()?;
         let (checksum, rest) = rest.split_first_chunk()?;
-        let (name_length, rest) = rest.split_first_chunk()?;
-        let (compression, rest) =
-            rest.split_at_checked(u32::from_le_bytes(*name_length) as usize)?;
+        let (compression, rest) = text(rest)?;
         let (length, records) = rest.split_first_chunk()?;
         Some(Self {
             from_ns: u64::from_le_bytes(*from),

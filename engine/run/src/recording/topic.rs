@@ -2,6 +2,8 @@
 
 use serde_json::{Value, json};
 
+use super::run_schema;
+
 /// What is written under a name of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Topic {
@@ -13,11 +15,16 @@ pub(super) enum Topic {
     Demonstration,
     Guard,
     Timing,
+    Controller,
+    Belief,
+    Policy,
+    Limits,
+    Dropped,
 }
 
 impl Topic {
-    /// All of them, in the order of their discriminants.
-    pub const ALL: [Self; 8] = [
+    /// Those of a calibration.
+    pub const OF_CALIBRATION: [Self; 8] = [
         Self::Pose,
         Self::Wrench,
         Self::Action,
@@ -26,6 +33,39 @@ impl Topic {
         Self::Demonstration,
         Self::Guard,
         Self::Timing,
+    ];
+
+    /// Those of a run.
+    pub const OF_RUN: [Self; 12] = [
+        Self::Pose,
+        Self::Wrench,
+        Self::Action,
+        Self::Observation,
+        Self::Truth,
+        Self::Guard,
+        Self::Timing,
+        Self::Controller,
+        Self::Belief,
+        Self::Policy,
+        Self::Limits,
+        Self::Dropped,
+    ];
+
+    /// All of them, in the order of their discriminants.
+    pub const ALL: [Self; 13] = [
+        Self::Pose,
+        Self::Wrench,
+        Self::Action,
+        Self::Observation,
+        Self::Truth,
+        Self::Demonstration,
+        Self::Guard,
+        Self::Timing,
+        Self::Controller,
+        Self::Belief,
+        Self::Policy,
+        Self::Limits,
+        Self::Dropped,
     ];
 
     pub fn name(self) -> &'static str {
@@ -38,6 +78,11 @@ impl Topic {
             Self::Demonstration => "/demonstration",
             Self::Guard => "/guard",
             Self::Timing => "/timing",
+            Self::Controller => "/controller",
+            Self::Belief => "/belief",
+            Self::Policy => "/policy",
+            Self::Limits => "/limits",
+            Self::Dropped => "/dropped",
         }
     }
 
@@ -52,6 +97,11 @@ impl Topic {
             Self::Demonstration => "pubs.Demonstration",
             Self::Guard => "pubs.Guard",
             Self::Timing => "pubs.Timing",
+            Self::Controller => "pubs.Controller",
+            Self::Belief => "pubs.Belief",
+            Self::Policy => "pubs.Policy",
+            Self::Limits => "pubs.Limits",
+            Self::Dropped => "pubs.Dropped",
         }
     }
 
@@ -108,6 +158,9 @@ impl Topic {
                 "filter": lateness(),
                 "policy": lateness(),
             }),
+            Self::Controller | Self::Belief | Self::Policy | Self::Limits | Self::Dropped => {
+                run_schema::fields(self).unwrap_or_default()
+            }
         };
         let mut schema = object(self.schema_name(), fields);
         schema["title"] = self.schema_name().into();
@@ -116,7 +169,7 @@ impl Topic {
     }
 }
 
-fn object(description: &str, fields: Value) -> Value {
+pub(super) fn object(description: &str, fields: Value) -> Value {
     let required: Vec<String> = fields
         .as_object()
         .map(|fields| fields.keys().cloned().collect())
@@ -124,7 +177,7 @@ fn object(description: &str, fields: Value) -> Value {
     json!({ "type": "object", "description": description, "properties": fields, "required": required })
 }
 
-fn time() -> Value {
+pub(super) fn time() -> Value {
     object(
         "the host's monotonic clock",
         json!({ "sec": integer("seconds"), "nsec": integer("nanoseconds") }),
@@ -150,14 +203,14 @@ fn lateness() -> Value {
     )
 }
 
-fn number(description: &str) -> Value {
+pub(super) fn number(description: &str) -> Value {
     json!({ "type": "number", "description": description })
 }
 
-fn integer(description: &str) -> Value {
+pub(super) fn integer(description: &str) -> Value {
     json!({ "type": "integer", "minimum": 0, "description": description })
 }
 
-fn text(description: &str) -> Value {
+pub(super) fn text(description: &str) -> Value {
     json!({ "type": "string", "description": description })
 }

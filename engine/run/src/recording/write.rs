@@ -20,20 +20,37 @@ use crate::clock::SECOND_NS;
 use crate::report::LatenessReport;
 
 /// Name under which the object file's text is attached.
-const OBJECT_ATTACHMENT: &str = "object.toml";
+pub(super) const OBJECT_ATTACHMENT: &str = "object.toml";
+/// Media type of that.
+pub(super) const TOML: &str = "application/toml";
+/// Media type of reports.
+const JSON: &str = "application/json";
 
 /// Writes a recording. A chunk is closed and handed to the operating system with every second of
-/// frames, and after each message that is not a frame's; a program that is killed loses no more
-/// than that second.
+/// frames (of a run: every half), and after each message that is not a frame's; a program that is
+/// killed loses no more than that.
 pub struct RecordingWriter {
     file: PathBuf,
     mcap: mcap::Writer<BufWriter<File>>,
-    actions: Vec<Arc<str>>,
-    /// In the order of [`Topic::ALL`].
-    channels: Vec<u16>,
+    pub(super) actions: Vec<Arc<str>>,
+    /// In the order of [`Topic::ALL`]; `None` for topics that such a recording does not have.
+    channels: Vec<Option<u16>>,
     frames: u32,
+    chunk_ns: u64,
     chunk_start_ns: Option<u64>,
     buffer: Vec<u8>,
+}
+
+/// What stands at the start of a file.
+pub(super) struct Preface<'a> {
+    pub header: &'a Header,
+    /// Further metadata.
+    pub metadata: Vec<Metadata>,
+    /// Name, media type and content of what is attached.
+    pub attachments: Vec<(&'a str, &'a str, &'a [u8])>,
+    pub topics: &'a [Topic],
+    /// A chunk spans no more than this.
+    pub chunk_ns: u64,
 }
 
 impl RecordingWriter {
@@ -43,6 +60,17 @@ impl RecordingWriter {
     /// # Errors
     /// Where the file exists already or cannot be created.
     pub fn create(file: &Path, header: &Header, object_toml: &str) -> Result<Self, RecordingError> {
+        let preface = Preface {
+            header,
+            metadata: Vec::new(),
+            attachments: vec![(OBJECT_ATTACHMENT, TOML, object_toml.as_bytes())],
+            topics: &Topic::OF_CALIBRATION,
+            chunk_ns: SECOND_NS,
+        };
+        Self::create_with(file, &preface)
+    }
+
+    pub(super) fn create_with(file: &Path, preface: &Preface<'_>) -> Result<Self, RecordingError> {
         let opened = File::options().write(true).create_new(true).open(file);
         let opened = opened.map_err(|error| match error.kind() {
             ErrorKind::AlreadyExists => RecordingError::Exists {
@@ -50,15 +78,10 @@ impl RecordingWriter {
             },
             _ => RecordingError::write(file, &error),
         })?;
-        Self::begin(file, opened, header, object_toml)
+        Self::begin(file, opened, preface)
     }
 
-    fn begin(
-        file: &Path,
-        opened: File,
-        header: &Header,
-        object_toml: &str,
-    ) -> Result<Self, RecordingError> {
+    fn begin(file: &Path, opened: File, preface: &Preface<'_>) -> Result<Self, RecordingError> {
         let failed = |error: mcap::McapError| RecordingError::mcap(file, &error);
         // Without seeking, a chunk reaches the file whole, its lengths and checksum right.
         let mut mcap = WriteOptions::new()
@@ -67,24 +90,26 @@ impl RecordingWriter {
             .disable_seeking(true)
             .create(BufWriter::new(opened))
             .map_err(failed)?;
+        let header = preface.header;
         let fields = header.to_fields().map(|(key, text)| (key.to_owned(), text));
         let metadata = Metadata {
             name: METADATA.to_owned(),
             metadata: BTreeMap::from(fields),
         };
-        mcap.write_metadata(&metadata).map_err(failed)?;
-        let attachment = Attachment {
-            log_time: 0,
-            create_time: 0,
-            name: OBJECT_ATTACHMENT.to_owned(),
-            media_type: "application/toml".to_owned(),
-            data: object_toml.as_bytes().into(),
-        };
-        mcap.attach(&attachment).map_err(failed)?;
+        for metadata in std::iter::once(&metadata).chain(&preface.metadata) {
+            mcap.write_metadata(metadata).map_err(failed)?;
+        }
+        for &(name, media_type, data) in &preface.attachments {
+            mcap.attach(&attachment(name, media_type, data))
+                .map_err(failed)?;
+        }
         mcap.flush().map_err(failed)?;
         let channels = Topic::ALL
             .iter()
-            .map(|&topic| add_channel(&mut mcap, topic))
+            .map(|&topic| {
+                let used = preface.topics.contains(&topic);
+                used.then(|| add_channel(&mut mcap, topic)).transpose()
+            })
             .collect::<Result<_, _>>()
             .map_err(failed)?;
         Ok(Self {
@@ -97,6 +122,7 @@ impl RecordingWriter {
                 .collect(),
             channels,
             frames: 0,
+            chunk_ns: preface.chunk_ns,
             chunk_start_ns: None,
             buffer: Vec::with_capacity(512),
         })
@@ -117,17 +143,38 @@ impl RecordingWriter {
         observation: Option<&Observation>,
     ) -> Result<(), RecordingError> {
         let time_ns = frame.reading.time_ns;
+        self.turn(time_ns)?;
+        self.felt(frame, observation)?;
+        self.acted(frame)
+    }
+
+    /// Closes the chunk where it spans enough by now.
+    pub(super) fn turn(&mut self, time_ns: u64) -> Result<(), RecordingError> {
         let started_ns = *self.chunk_start_ns.get_or_insert(time_ns);
-        if time_ns.saturating_sub(started_ns) >= SECOND_NS {
+        if time_ns.saturating_sub(started_ns) >= self.chunk_ns {
             self.flush()?;
             self.chunk_start_ns = Some(time_ns);
         }
-        let Some(action) = self.actions.get(frame.action).cloned() else {
-            return Err(RecordingError::Write {
-                file: self.file.clone(),
-                reason: format!("the header names no action {}", frame.action),
-            });
-        };
+        Ok(())
+    }
+
+    /// Name of an action.
+    pub(super) fn action(&self, index: usize) -> Result<Arc<str>, RecordingError> {
+        let name = self.actions.get(index).cloned();
+        name.ok_or_else(|| RecordingError::Write {
+            file: self.file.clone(),
+            reason: format!("the header names no action {index}"),
+        })
+    }
+
+    /// All of a frame but its action.
+    pub(super) fn felt(
+        &mut self,
+        frame: &Frame,
+        observation: Option<&Observation>,
+    ) -> Result<(), RecordingError> {
+        let time_ns = frame.reading.time_ns;
+        self.action(frame.action)?;
         self.message(Topic::Pose, time_ns, &PoseMessage::from(&frame.reading))?;
         self.message(Topic::Wrench, time_ns, &WrenchMessage::from(&frame.reading))?;
         if let Some(observation) = observation {
@@ -141,7 +188,14 @@ impl RecordingWriter {
             };
             self.message(Topic::Truth, time_ns, &message)?;
         }
-        // Last, because a frame that is cut off before it must not pass for a whole one.
+        Ok(())
+    }
+
+    /// A frame's action: last, because a frame that is cut off before it must not pass for a whole
+    /// one.
+    pub(super) fn acted(&mut self, frame: &Frame) -> Result<(), RecordingError> {
+        let time_ns = frame.reading.time_ns;
+        let action = self.action(frame.action)?;
         self.message(Topic::Action, time_ns, &ActionMessage::new(frame, &action))?;
         self.frames = self.frames.wrapping_add(1);
         Ok(())
@@ -203,23 +257,39 @@ impl RecordingWriter {
             .map_err(|error| RecordingError::write(&self.file, &error))
     }
 
-    fn flush(&mut self) -> Result<(), RecordingError> {
+    /// Attaches a text.
+    ///
+    /// # Errors
+    /// As [`frame`](Self::frame).
+    pub(super) fn attach(&mut self, name: &str, data: &[u8]) -> Result<(), RecordingError> {
+        self.mcap
+            .attach(&attachment(name, JSON, data))
+            .map_err(|error| RecordingError::mcap(&self.file, &error))
+    }
+
+    pub(super) fn flush(&mut self) -> Result<(), RecordingError> {
         self.mcap
             .flush()
             .map_err(|error| RecordingError::mcap(&self.file, &error))
     }
 
-    fn message(
+    pub(super) fn message(
         &mut self,
         topic: Topic,
         time_ns: u64,
         message: &impl Serialize,
     ) -> Result<(), RecordingError> {
+        let Some(channel_id) = self.channels[topic as usize] else {
+            return Err(RecordingError::Write {
+                file: self.file.clone(),
+                reason: format!("such a recording has no {}", topic.name()),
+            });
+        };
         self.buffer.clear();
         serde_json::to_writer(&mut self.buffer, message)
             .map_err(|error| RecordingError::write(&self.file, &error.into()))?;
         let header = MessageHeader {
-            channel_id: self.channels[topic as usize],
+            channel_id,
             sequence: self.frames,
             log_time: time_ns,
             publish_time: time_ns,
@@ -227,6 +297,16 @@ impl RecordingWriter {
         self.mcap
             .write_to_known_channel(&header, &self.buffer)
             .map_err(|error| RecordingError::mcap(&self.file, &error))
+    }
+}
+
+fn attachment<'a>(name: &str, media_type: &str, data: &'a [u8]) -> Attachment<'a> {
+    Attachment {
+        log_time: 0,
+        create_time: 0,
+        name: name.to_owned(),
+        media_type: media_type.to_owned(),
+        data: data.into(),
     }
 }
 
@@ -252,7 +332,14 @@ mod tests {
         };
         let header = testing::header();
         assert_eq!(header.format, FORMAT_VERSION);
-        let error = RecordingWriter::begin(full, opened, &header, "")
+        let preface = Preface {
+            header: &header,
+            metadata: Vec::new(),
+            attachments: Vec::new(),
+            topics: &Topic::OF_CALIBRATION,
+            chunk_ns: SECOND_NS,
+        };
+        let error = RecordingWriter::begin(full, opened, &preface)
             .err()
             .unwrap();
         let text = error.to_string();

@@ -121,3 +121,33 @@ fn windows_line_ends_and_a_byte_order_mark_do_no_harm() {
         (Some(8), Some(12), "joint.radius_m")
     );
 }
+
+#[test]
+fn a_resolved_text_gives_the_same_object_without_its_overrides() {
+    let overrides = Overrides::new(
+        [("PUBS_SET__REWARD__DISCOUNT".to_owned(), "0.5".to_owned())],
+        ["belief.particles=123".to_owned()],
+    );
+    assert_eq!(
+        overrides.typed(),
+        [
+            "PUBS_SET__REWARD__DISCOUNT=0.5",
+            "--set belief.particles=123"
+        ]
+    );
+    for file in files(&objects()).unwrap() {
+        let loaded = load(&file, &overrides).unwrap();
+        let text = loaded.resolved_text().unwrap();
+        let again = crate::object::load_text("resolved", text, &Overrides::none()).unwrap();
+        assert_eq!(
+            format!("{:?}", again.file),
+            format!("{:?}", loaded.file),
+            "{}",
+            file.display()
+        );
+        assert!(
+            format!("{:?}", again.file).contains("123"),
+            "the override is in it"
+        );
+    }
+}

@@ -1,0 +1,207 @@
+//! The recording that every run makes.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use pubs_core::object::Overrides;
+use pubs_host::DriverInstance;
+use pubs_plugin::JointType;
+use pubs_policy::{PolicyFile, Runtime};
+use pubs_run::recording::{
+    Header, Limits, PolicyNote, RUN_FORMAT_VERSION, RecordingError, RecordingWriter, RunHeader,
+    RunPreface, RunRecorder,
+};
+use pubs_run::{RunOptions, RunReport};
+use serde_json::Value;
+
+use crate::failure::Failure;
+use crate::object::Ready;
+use crate::policies::sibling_folder;
+use crate::utc::Utc;
+
+/// Where a run is recorded.
+#[derive(Args)]
+pub struct RecordingOptions {
+    /// Record into this file (.mcap), or into this folder under a name with object and time
+    /// [default: recordings, beside the object's folder]
+    #[arg(long, value_name = "FILE|DIR", env = "PUBS_RECORD")]
+    record: Option<PathBuf>,
+    /// Record nothing
+    #[arg(long)]
+    no_record: bool,
+}
+
+/// What a recording says of a run.
+pub struct Setup<'a> {
+    pub ready: &'a Ready,
+    pub object: &'a Path,
+    pub overrides: &'a Overrides,
+    pub belief_frequency: Option<u32>,
+    pub policy: &'a PolicyFile,
+    pub runtime: &'a Runtime,
+    pub arm: &'a DriverInstance,
+}
+
+/// Opens the recording, before anything moves.
+///
+/// # Errors
+/// Where the file exists already or cannot be created.
+pub fn recorder(
+    options: &RecordingOptions,
+    setup: &Setup<'_>,
+    run: &RunOptions,
+) -> Result<Option<RunRecorder>, Failure> {
+    if options.no_record {
+        return Ok(None);
+    }
+    let started = Utc::now();
+    let (header, about) = (header(setup, run), about(setup, run, started));
+    let resolved = setup.ready.loaded.resolved_text();
+    let resolved = resolved.map_err(Failure::invalid)?;
+    let preface = RunPreface {
+        header: &header,
+        run: &about,
+        object_toml: setup.ready.loaded.text(),
+        resolved_toml: &resolved,
+        policies: vec![setup.policy.bytes()],
+    };
+    let writer = create(options, setup, started, &preface)?;
+    let task = &setup.ready.task;
+    let limits = Limits {
+        unit: task.joint.unit(),
+        lower: task.joint.lower,
+        upper: task.joint.upper,
+        goals: run.goals.iter().map(|goal| goal.state).collect(),
+        tolerance: task.reward.goal_tolerance,
+    };
+    let recorder = if run.lockstep {
+        RunRecorder::direct(writer, &limits)
+    } else {
+        RunRecorder::queued(writer, &limits)
+    };
+    recorder.map(Some).map_err(|error| Failure::fault(&error))
+}
+
+/// Creates the file: the one that was named, or the first free name in the folder.
+fn create(
+    options: &RecordingOptions,
+    setup: &Setup<'_>,
+    started: Utc,
+    preface: &RunPreface<'_>,
+) -> Result<RecordingWriter, Failure> {
+    let refused = |error: RecordingError| {
+        Failure::invalid(format!(
+            "{error}\n  (--record FILE or DIR records elsewhere, --no-record not at all)"
+        ))
+    };
+    let folder = match &options.record {
+        Some(file) if is_file_name(file) => {
+            return RecordingWriter::create_run(file, preface).map_err(refused);
+        }
+        Some(folder) => folder.clone(),
+        None => sibling_folder(setup.object, "recordings"),
+    };
+    std::fs::create_dir_all(&folder).map_err(|error| {
+        Failure::invalid(format!(
+            "cannot make the folder {}: {error}\n  (--record FILE or DIR records elsewhere, --no-record not at all)",
+            folder.display()
+        ))
+    })?;
+    let stem = format!("{}-{}", setup.ready.task.name, started.compact());
+    let mut part = 1;
+    loop {
+        let name = match part {
+            1 => format!("{stem}.mcap"),
+            part => format!("{stem}-{part}.mcap"),
+        };
+        match RecordingWriter::create_run(&folder.join(name), preface) {
+            // Another run of the same second.
+            Err(RecordingError::Exists { .. }) => part += 1,
+            created => return created.map_err(refused),
+        }
+    }
+}
+
+fn is_file_name(path: &Path) -> bool {
+    !path.is_dir() && path.extension().is_some_and(|ending| ending == "mcap")
+}
+
+fn header(setup: &Setup<'_>, run: &RunOptions) -> Header {
+    let task = &setup.ready.task;
+    Header {
+        format: RUN_FORMAT_VERSION,
+        engine: env!("CARGO_PKG_VERSION").to_owned(),
+        object: task.name.clone(),
+        joint: match task.joint.unit() {
+            "rad" => JointType::Revolute,
+            _ => JointType::Prismatic,
+        },
+        sensor: setup.arm.sensor().to_owned(),
+        actions: task
+            .actions
+            .iter()
+            .map(|action| action.name.clone())
+            .collect(),
+        rate_hz: task.control.map_or(0.0, |control| control.rate_hz),
+        seed: run.seed,
+    }
+}
+
+fn about(setup: &Setup<'_>, run: &RunOptions, started: Utc) -> RunHeader {
+    let (task, policy) = (&setup.ready.task, setup.policy);
+    let contract = policy.contract();
+    let plugin = setup.arm.plugin();
+    RunHeader {
+        goals: run
+            .goals
+            .iter()
+            .map(|goal| (goal.state, goal.policy))
+            .collect(),
+        goal_tolerance: task.reward.goal_tolerance,
+        shield: run.shield.map(|shield| (shield.mass, shield.flattening)),
+        max_steps: run.max_steps,
+        lockstep: run.lockstep,
+        belief_frequency: setup.belief_frequency,
+        vector_unit: pubs_core::vector::VectorUnit::best().to_string(),
+        driver: format!("{} {}", plugin.name(), plugin.version()),
+        driver_parameters: task
+            .driver
+            .as_ref()
+            .map_or(Value::Null, |driver| driver.table.clone()),
+        model: setup.ready.model_plugin.clone(),
+        runtime: setup.runtime.to_string(),
+        overrides: setup.overrides.typed(),
+        policies: vec![PolicyNote {
+            name: policy.path().display().to_string(),
+            sha256: policy.sha256().to_owned(),
+            foreign_inputs: contract.is_none().then(|| policy.inputs().to_vec()),
+            contract: serde_json::to_value(contract).unwrap_or(Value::Null),
+        }],
+        started: (!run.lockstep).then(|| started.iso()),
+    }
+}
+
+/// What the recording lacks, if anything.
+pub fn trouble(report: &RunReport) -> Option<String> {
+    match (&report.recording_fault, report.recording_dropped) {
+        (Some(fault), _) => Some(format!(
+            "{fault}\n  (the run went on without it; the recording holds what came before)"
+        )),
+        (None, 0) => None,
+        (None, dropped) => Some(format!(
+            "the disk was too slow for {dropped} entries of the recording, which are lost"
+        )),
+    }
+}
+
+/// Where it is, for the summary.
+pub fn summary(report: &RunReport) -> String {
+    match &report.recording {
+        None => "not recorded\n".to_owned(),
+        Some(file) if report.recording_dropped > 0 => format!(
+            "recording {file} ({} entries lost)\n",
+            report.recording_dropped
+        ),
+        Some(file) => format!("recording {file}\n"),
+    }
+}

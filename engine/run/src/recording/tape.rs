@@ -1,0 +1,330 @@
+//! Recording a run from three loops at once, none of which may wait.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use super::steps::{BeliefStep, Choice, Limits, Tick};
+use super::{Finished, RecordingError, RecordingWriter};
+use crate::clock::{SECOND_NS, now_ns};
+use crate::loops::Period;
+use crate::recording::Observation;
+use crate::report::{LatenessReport, RunReport};
+
+/// Entries that may wait for the disk: ten seconds of three loops.
+const CAPACITY: usize = 1400;
+
+/// What is recorded reaches the operating system within this, even where nothing follows.
+const IDLE: Duration = Duration::from_millis(500);
+
+/// What a run records.
+enum Entry {
+    Tick(Tick),
+    Belief(BeliefStep),
+    Choice(Choice),
+    Guard(u64, String),
+    Timing(u64, LatenessReport),
+    Report(Box<RunReport>),
+    End,
+}
+
+/// The recorder of a run. [`tape`](Self::tape) gives each loop its own front end.
+///
+/// [`direct`](Self::direct) writes within each call, for a virtual clock; [`queued`](Self::queued)
+/// leaves it to a thread behind a bounded queue: an entry that finds no room is dropped and
+/// counted, and no call ever waits.
+pub struct RunRecorder {
+    file: PathBuf,
+    tape: Tape,
+    thread: Option<WriterThread>,
+}
+
+/// Gives back the first error of the writing.
+type WriterThread = JoinHandle<Result<(), RecordingError>>;
+
+/// The front end for one loop.
+#[derive(Clone)]
+pub(crate) struct Tape {
+    way: Way,
+    shared: Arc<Shared>,
+}
+
+#[derive(Clone)]
+enum Way {
+    Direct(Arc<Mutex<Direct>>),
+    Queued(SyncSender<Entry>),
+}
+
+struct Direct {
+    writer: Option<Writer>,
+    result: Result<(), RecordingError>,
+}
+
+/// What all front ends and the writer know.
+#[derive(Default)]
+struct Shared {
+    dropped: AtomicU64,
+    /// Whether it is recorded why the guard stopped the arm.
+    guarded: AtomicBool,
+}
+
+/// A writer and what it needs to know of the run.
+struct Writer {
+    recording: RecordingWriter,
+    range: (f64, f64),
+    shared: Arc<Shared>,
+    /// Drops that the file knows of.
+    noted: u64,
+    /// Time of the newest entry.
+    time_ns: u64,
+}
+
+impl RunRecorder {
+    /// Writes within each call: on a virtual clock, whose loops wait for each other anyway.
+    ///
+    /// # Errors
+    /// Where the disk is full or gone.
+    pub fn direct(recording: RecordingWriter, limits: &Limits) -> Result<Self, RecordingError> {
+        let file = recording.file().to_owned();
+        let shared = Arc::new(Shared::default());
+        let writer = Writer::begin(recording, limits, SECOND_NS, &shared)?;
+        let direct = Direct {
+            writer: Some(writer),
+            result: Ok(()),
+        };
+        Ok(Self {
+            file,
+            tape: Tape {
+                way: Way::Direct(Arc::new(Mutex::new(direct))),
+                shared,
+            },
+            thread: None,
+        })
+    }
+
+    /// Writes from a thread of its own. Call it from a thread without real-time scheduling, which
+    /// a new thread would inherit.
+    ///
+    /// # Errors
+    /// Where the disk is full or gone, or the operating system gives no thread.
+    pub fn queued(recording: RecordingWriter, limits: &Limits) -> Result<Self, RecordingError> {
+        let file = recording.file().to_owned();
+        let shared = Arc::new(Shared::default());
+        let writer = Writer::begin(recording, limits, now_ns(), &shared)?;
+        let (entries, thread) = start(CAPACITY, move |entries| writer.write_all(&entries))
+            .map_err(|error| RecordingError::write(&file, &error))?;
+        Ok(Self {
+            file,
+            tape: Tape {
+                way: Way::Queued(entries),
+                shared,
+            },
+            thread: Some(thread),
+        })
+    }
+
+    /// The file.
+    pub fn file(&self) -> &std::path::Path {
+        &self.file
+    }
+
+    pub(crate) fn tape(&self) -> Tape {
+        self.tape.clone()
+    }
+
+    /// Writes what still waits and the run's last words, and closes the file. This may take as long
+    /// as the disk does.
+    pub(crate) fn finish(
+        self,
+        end_ns: u64,
+        guard: Option<String>,
+        lateness: LatenessReport,
+        report: &RunReport,
+    ) -> Finished {
+        let guard = guard.filter(|_| !self.tape.shared.guarded.load(Ordering::Acquire));
+        let mut last_words: Vec<Entry> = guard
+            .map(|reason| Entry::Guard(end_ns, reason))
+            .into_iter()
+            .collect();
+        last_words.push(Entry::Timing(end_ns, lateness));
+        last_words.push(Entry::Report(Box::new(RunReport {
+            recording_dropped: self.tape.shared.dropped.load(Ordering::Acquire),
+            ..report.clone()
+        })));
+        last_words.push(Entry::End);
+        for entry in last_words {
+            self.tape.send_and_wait(entry);
+        }
+        let panicked = RecordingError::Write {
+            file: self.file,
+            reason: "the recorder's thread panicked; this is a bug".to_owned(),
+        };
+        let result = match (&self.tape.way, self.thread) {
+            (Way::Direct(direct), _) => locked(direct).result.clone(),
+            (Way::Queued(_), Some(thread)) => thread.join().unwrap_or(Err(panicked)),
+            (Way::Queued(_), None) => Ok(()),
+        };
+        Finished {
+            result,
+            dropped: self.tape.shared.dropped.load(Ordering::Acquire),
+        }
+    }
+}
+
+fn start(
+    capacity: usize,
+    consume: impl FnOnce(Receiver<Entry>) -> Result<(), RecordingError> + Send + 'static,
+) -> std::io::Result<(SyncSender<Entry>, WriterThread)> {
+    let (entries, receiver) = sync_channel(capacity);
+    let thread = thread::Builder::new()
+        .name("recorder".to_owned())
+        .spawn(move || consume(receiver))?;
+    Ok((entries, thread))
+}
+
+fn locked(direct: &Mutex<Direct>) -> std::sync::MutexGuard<'_, Direct> {
+    direct.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Tape {
+    /// Records a tick of the controller, and why the guard stopped the arm if that is new.
+    pub fn period(&self, period: &Period<'_>) {
+        let felt = period.felt.map(|felt| {
+            let observation = Observation {
+                displacement: felt.sample.displacement,
+                forces_n: felt.sample.forces_n,
+            };
+            (felt.frame, observation)
+        });
+        self.send(Entry::Tick(Tick {
+            tick: period.tick,
+            time_ns: period.time_ns,
+            order_ns: period.order_ns,
+            stopping: period.stopping,
+            felt,
+        }));
+        if let Some(trip) = period.trip
+            && self.send(Entry::Guard(period.time_ns, trip.to_string()))
+        {
+            self.shared.guarded.store(true, Ordering::Release);
+        }
+    }
+
+    /// Records a step of the filter.
+    pub fn belief(&self, step: BeliefStep) {
+        self.send(Entry::Belief(step));
+    }
+
+    /// Records a step of the policy.
+    pub fn choice(&self, choice: Choice) {
+        self.send(Entry::Choice(choice));
+    }
+
+    /// Whether the entry found room.
+    fn send(&self, entry: Entry) -> bool {
+        match &self.way {
+            Way::Direct(direct) => {
+                locked(direct).write(entry);
+                true
+            }
+            Way::Queued(entries) => {
+                let full = matches!(entries.try_send(entry), Err(TrySendError::Full(_)));
+                self.shared
+                    .dropped
+                    .fetch_add(u64::from(full), Ordering::AcqRel);
+                !full
+            }
+        }
+    }
+
+    fn send_and_wait(&self, entry: Entry) {
+        match &self.way {
+            Way::Direct(direct) => locked(direct).write(entry),
+            // A thread that has ended says why when it is joined.
+            Way::Queued(entries) => drop(entries.send(entry)),
+        }
+    }
+}
+
+impl Direct {
+    /// Writes unless something has failed before.
+    fn write(&mut self, entry: Entry) {
+        let Some(mut writer) = self.writer.take() else {
+            return;
+        };
+        if matches!(entry, Entry::End) {
+            self.result = writer.finish();
+            return;
+        }
+        match writer.write(entry) {
+            Ok(()) => self.writer = Some(writer),
+            Err(error) => self.result = Err(error),
+        }
+    }
+}
+
+impl Writer {
+    fn begin(
+        mut recording: RecordingWriter,
+        limits: &Limits,
+        time_ns: u64,
+        shared: &Arc<Shared>,
+    ) -> Result<Self, RecordingError> {
+        recording.limits(time_ns, limits)?;
+        Ok(Self {
+            recording,
+            range: (limits.lower, limits.upper),
+            shared: Arc::clone(shared),
+            noted: 0,
+            time_ns,
+        })
+    }
+
+    fn write_all(mut self, entries: &Receiver<Entry>) -> Result<(), RecordingError> {
+        loop {
+            match entries.recv_timeout(IDLE) {
+                Ok(Entry::End) | Err(RecvTimeoutError::Disconnected) => return self.finish(),
+                Ok(entry) => self.write(entry)?,
+                Err(RecvTimeoutError::Timeout) => self.recording.flush()?,
+            }
+        }
+    }
+
+    fn write(&mut self, entry: Entry) -> Result<(), RecordingError> {
+        let recording = &mut self.recording;
+        match entry {
+            Entry::Tick(tick) => {
+                self.time_ns = tick.time_ns;
+                recording.tick(&tick)?;
+            }
+            Entry::Belief(step) => recording.belief(&step, self.range)?,
+            Entry::Choice(choice) => recording.choice(&choice)?,
+            Entry::Guard(time_ns, reason) => recording.guard(time_ns, &reason)?,
+            Entry::Timing(time_ns, lateness) => recording.timing(time_ns, &lateness)?,
+            Entry::Report(report) => recording.report(&report)?,
+            Entry::End => {}
+        }
+        self.note_drops()
+    }
+
+    /// The file itself says how much it lacks, as soon as something can be written again.
+    fn note_drops(&mut self) -> Result<(), RecordingError> {
+        let dropped = self.shared.dropped.load(Ordering::Acquire);
+        if dropped == self.noted {
+            return Ok(());
+        }
+        self.noted = dropped;
+        self.recording.dropped(self.time_ns, dropped)
+    }
+
+    fn finish(mut self) -> Result<(), RecordingError> {
+        self.note_drops()?;
+        self.recording.finish()
+    }
+}
+
+#[cfg(test)]
+mod tests;

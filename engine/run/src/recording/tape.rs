@@ -31,7 +31,7 @@ enum Entry {
     End,
 }
 
-/// The recorder of a run. [`tape`](Self::tape) gives each loop its own front end.
+/// The recorder of a run; each loop has its own front end.
 ///
 /// [`direct`](Self::direct) writes within each call, for a virtual clock; [`queued`](Self::queued)
 /// leaves it to a thread behind a bounded queue: an entry that finds no room is dropped and

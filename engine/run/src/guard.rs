@@ -22,7 +22,7 @@ use nalgebra::Vector3;
 use pubs_core::Task;
 use pubs_core::controller::Control;
 use pubs_core::joint::{Path, Pose};
-use pubs_plugin::{DriverStatus, Reading, Twist};
+use pubs_plugin::{DriverStatus, Reading, SAFETY_STOP, Twist};
 
 use crate::arm::{Arm, ArmError};
 
@@ -115,6 +115,17 @@ pub enum Trip {
         /// Name of the action.
         action: String,
     },
+}
+
+impl Trip {
+    /// Whether something failed, rather than that somebody or something stopped the arm for safety.
+    pub fn is_fault(&self) -> bool {
+        match self {
+            Self::Driver(message) => !message.contains(SAFETY_STOP),
+            Self::DriverFault | Self::Loop { .. } => true,
+            _ => false,
+        }
+    }
 }
 
 impl fmt::Display for Trip {

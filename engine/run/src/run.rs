@@ -208,9 +208,9 @@ fn sum_up(
     vector_unit: String,
     mut driven: Driven<FilterLoop, PolicyLoop>,
 ) -> RunReport {
-    let stopped = driven.trip.as_ref().map(|trip| match trip {
-        Trip::Driver(_) | Trip::DriverFault | Trip::Loop { .. } => Outcome::Fault,
-        _ => Outcome::SafetyStop,
+    let stopped = driven.trip.as_ref().map(|trip| match trip.is_fault() {
+        true => Outcome::Fault,
+        false => Outcome::SafetyStop,
     });
     // A goal that was under way when the arm was stopped ends with that stop.
     driven

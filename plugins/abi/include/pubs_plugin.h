@@ -203,7 +203,9 @@ typedef struct pubs_driver_table {
     pubs_status (*sensor)(void *instance, char *text, size_t capacity, char *error,
                           size_t error_capacity);
 
-    /* The newest measurement; returns at once. */
+    /* The newest measurement; returns at once. Where the robot's own safety functions have stopped
+     * it (emergency stop, alarm, contact), the error of read or command begins with "safety stop: ":
+     * the run then ends as stopped for safety, not as faulty. */
     pubs_status (*read)(void *instance, pubs_reading *reading, char *error, size_t error_capacity);
 
     /* Moves the tool with `twist` until `expires_ns` on the clock of pubs_reading.time_ns. */

@@ -25,6 +25,11 @@ pub enum DriverStatus {
     Fault = 2,
 }
 
+/// Begins the message of an error by which `read` or `command` tells that the robot's own safety
+/// functions have stopped it: an emergency stop, an alarm, a contact. The run then ends as stopped
+/// for safety, not as faulty.
+pub const SAFETY_STOP: &str = "safety stop: ";
+
 /// One measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[repr(C)]

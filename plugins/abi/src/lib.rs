@@ -23,7 +23,7 @@ pub mod setup;
 pub mod table;
 
 pub use diagnosis::{CheckState, DriverCheck};
-pub use driver::{Driver, DriverStatus, Reading, Twist};
+pub use driver::{Driver, DriverStatus, Reading, SAFETY_STOP, Twist};
 pub use error::PluginError;
 pub use export_driver::driver_table;
 pub use export_model::observation_model_table;

@@ -1,5 +1,7 @@
 //! Why the arm was brought to rest for good.
 
+use pubs_plugin::SAFETY_STOP;
+
 /// What kind of trouble it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FaultKind {
@@ -27,7 +29,7 @@ impl Fault {
     pub fn safety(reason: impl Into<String>) -> Self {
         Self {
             kind: FaultKind::Safety,
-            reason: format!("safety stop: {}", reason.into()),
+            reason: format!("{SAFETY_STOP}{}", reason.into()),
         }
     }
 

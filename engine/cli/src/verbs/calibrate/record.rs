@@ -12,10 +12,10 @@ use pubs_core::Task;
 use pubs_core::object::LoadedObject;
 use pubs_host::{DriverInstance, Registry};
 use pubs_plugin::JointType;
+use pubs_run::Sample;
 use pubs_run::recording::{
     Done, FORMAT_VERSION, Frame, Header, Observation, Recorder, RecordingWriter, read,
 };
-use pubs_run::{Sample, Trip};
 
 use super::Arguments;
 use crate::failure::Failure;
@@ -321,9 +321,9 @@ fn told(
     let Some(trip) = &report.trip else {
         return Ok(Recorded::Whole(files.to_vec()));
     };
-    let code = match trip {
-        Trip::Driver(_) | Trip::DriverFault | Trip::Loop { .. } => exit::FAULT,
-        _ => exit::SAFETY_STOP,
+    let code = match trip.is_fault() {
+        true => exit::FAULT,
+        false => exit::SAFETY_STOP,
     };
     show::say(&format!(
         "stopped: {trip}\nwhat was recorded is kept; go on with: pubs-engine calibrate {} --resume",

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use pubs_core::Task;
 use pubs_core::object::Overrides;
 use pubs_host::DriverInstance;
 use pubs_plugin::JointType;
@@ -55,7 +56,8 @@ pub fn recorder(
         return Ok(None);
     }
     let started = Utc::now();
-    let (header, about) = (header(setup, run), about(setup, run, started));
+    let header = header(RUN_FORMAT_VERSION, &setup.ready.task, setup.arm, run.seed);
+    let about = about(setup, run, started);
     let resolved = setup.ready.loaded.resolved_text();
     let resolved = resolved.map_err(Failure::invalid)?;
     let preface = RunPreface {
@@ -126,24 +128,24 @@ fn is_file_name(path: &Path) -> bool {
     !path.is_dir() && path.extension().is_some_and(|ending| ending == "mcap")
 }
 
-fn header(setup: &Setup<'_>, run: &RunOptions) -> Header {
-    let task = &setup.ready.task;
+/// What a recording of any format says of its object.
+pub fn header(format: u32, task: &Task, arm: &DriverInstance, seed: u64) -> Header {
     Header {
-        format: RUN_FORMAT_VERSION,
+        format,
         engine: env!("CARGO_PKG_VERSION").to_owned(),
         object: task.name.clone(),
         joint: match task.joint.unit() {
             "rad" => JointType::Revolute,
             _ => JointType::Prismatic,
         },
-        sensor: setup.arm.sensor().to_owned(),
+        sensor: arm.sensor().to_owned(),
         actions: task
             .actions
             .iter()
             .map(|action| action.name.clone())
             .collect(),
         rate_hz: task.control.map_or(0.0, |control| control.rate_hz),
-        seed: run.seed,
+        seed,
     }
 }
 

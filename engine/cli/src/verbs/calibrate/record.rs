@@ -11,15 +11,14 @@ use pubs_calibrate::record::{
 use pubs_core::Task;
 use pubs_core::object::LoadedObject;
 use pubs_host::{DriverInstance, Registry};
-use pubs_plugin::JointType;
 use pubs_run::Sample;
 use pubs_run::recording::{
-    Done, FORMAT_VERSION, Frame, Header, Observation, Recorder, RecordingWriter, read,
+    Done, FORMAT_VERSION, Frame, Observation, Recorder, RecordingWriter, read,
 };
 
 use super::Arguments;
 use crate::failure::Failure;
-use crate::{driver, exit, interrupt, show};
+use crate::{driver, exit, interrupt, recorded, show};
 
 /// How recordings for a model are called, and those that only compare.
 const CALIBRATION: &str = "calibration";
@@ -72,9 +71,9 @@ pub fn record(
             folder.display()
         ))
     })?;
-    let writer =
-        RecordingWriter::create(&earlier.next, &header(arguments, task, &arm), loaded.text())
-            .map_err(|error| Failure::invalid(error.to_string()))?;
+    let header = recorded::header(FORMAT_VERSION, task, &arm, arguments.seed);
+    let writer = RecordingWriter::create(&earlier.next, &header, loaded.text())
+        .map_err(|error| Failure::invalid(error.to_string()))?;
     let recorder = if arguments.driver.lockstep {
         Recorder::direct(writer)
     } else {
@@ -213,26 +212,6 @@ pub fn found(object: &Path, name: &str) -> Vec<PathBuf> {
 /// `recordings` beside the folder of an object file.
 fn folder_of(object: &Path) -> PathBuf {
     crate::policies::sibling_folder(object, "recordings")
-}
-
-fn header(arguments: &Arguments, task: &Task, arm: &DriverInstance) -> Header {
-    Header {
-        format: FORMAT_VERSION,
-        engine: env!("CARGO_PKG_VERSION").to_owned(),
-        object: task.name.clone(),
-        joint: match task.joint.unit() {
-            "rad" => JointType::Revolute,
-            _ => JointType::Prismatic,
-        },
-        sensor: arm.sensor().to_owned(),
-        actions: task
-            .actions
-            .iter()
-            .map(|action| action.name.clone())
-            .collect(),
-        rate_hz: task.control.map_or(0.0, |control| control.rate_hz),
-        seed: arguments.seed,
-    }
 }
 
 /// The recorder, shared with the controller's thread until the arm rests.

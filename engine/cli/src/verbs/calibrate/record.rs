@@ -10,7 +10,7 @@ use pubs_calibrate::record::{
 };
 use pubs_core::Task;
 use pubs_core::object::LoadedObject;
-use pubs_host::{DriverInstance, Registry};
+use pubs_host::Registry;
 use pubs_run::Sample;
 use pubs_run::recording::{
     Done, FORMAT_VERSION, Frame, Observation, Recorder, RecordingWriter, read,

@@ -49,7 +49,7 @@ impl Repetition {
         let learnt = (summary.mean - taken.summary.mean).abs() >= MEAN_SHARE * joint.range()
             || (summary.entropy - taken.summary.entropy).abs() >= ENTROPY;
         self.futile = if held && !learnt {
-            self.futile | 1 << taken.action
+            self.futile | bit(taken.action)
         } else {
             0
         };
@@ -57,8 +57,16 @@ impl Repetition {
 
     /// Whether this rule lets the action be chosen.
     pub fn allows(&self, action: usize) -> bool {
-        self.futile >> action & 1 == 0
+        self.futile & bit(action) == 0
     }
+}
+
+/// The bit of an action; none from the 65th on, which this rule lets pass.
+fn bit(action: usize) -> u64 {
+    u32::try_from(action)
+        .ok()
+        .and_then(|action| 1_u64.checked_shl(action))
+        .unwrap_or(0)
 }
 
 #[cfg(test)]
@@ -108,6 +116,18 @@ mod tests {
             assert_eq!(repetition.allows(2), allowed, "{name}");
             assert!(repetition.allows(1), "{name}: another action is masked");
         }
+    }
+
+    #[test]
+    fn the_65th_action_masks_nothing() {
+        let summary = Summary {
+            mean: 0.0,
+            entropy: 0.35,
+        };
+        let mut repetition = Repetition::default();
+        repetition.begin(64, summary);
+        repetition.end(&hinge(), 0.0, summary);
+        assert!(repetition.allows(64) && repetition.allows(0));
     }
 
     #[test]

@@ -81,8 +81,10 @@ fn assert_serves(folder: &Path, library: &Path, model: &str) {
     let mut arguments = vec!["run", &object, "--plugin-dir", &plugins];
     arguments.extend(words(line));
     let answer = pubs(work.path(), &arguments);
+    // What the model says is not true of this door, so the run may end anyhow, also by a stop for
+    // safety; but neither in a fault nor by refusing the plugin.
     assert!(
-        matches!(answer.code, 0 | 3),
+        matches!(answer.code, 0 | 3 | 4),
         "code {}: {}",
         answer.code,
         answer.stderr

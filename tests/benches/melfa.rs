@@ -7,14 +7,12 @@ mod common;
 #[path = "../tests/common/emulator.rs"]
 mod emulator;
 
-use std::process::Stdio;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use common::{Answer, command, path_text, root, shipped_plugins};
-use emulator::Emulator;
+use emulator::{Emulator, Running, run_words};
 use serde_json::{Value, json};
 
 const OBJECTS: [&str; 4] = ["drawer1", "drawer2", "door1", "door2"];
@@ -48,28 +46,6 @@ impl Draws {
     }
 }
 
-/// A run of the shipped policy for the middle, and for the every-goal one with `goals`.
-fn run(object: &str, goals: &[&str], policy: &str, settings: &[String]) -> Answer {
-    let folder = tempfile::tempdir().unwrap();
-    let file = path_text(&root().join(format!("objects/{object}.toml")));
-    let policy = path_text(&root().join("policies").join(policy));
-    let plugins = path_text(shipped_plugins());
-    let mut words = vec![
-        "run",
-        &file,
-        "--policy",
-        &policy,
-        "--json",
-        "--plugin-dir",
-        &plugins,
-    ];
-    for goal in goals {
-        words.extend(["--goal", goal]);
-    }
-    words.extend(settings.iter().map(String::as_str));
-    Answer::of(&mut command(folder.path(), &words))
-}
-
 /// Joint state and goal are compared as Table IV does.
 fn reached(object: &str, joint_state: f64, report: &Value) -> bool {
     let tolerance = if object.starts_with("drawer") {
@@ -88,66 +64,89 @@ fn table4(trials: u32) {
     for object in OBJECTS {
         let policy = format!("paper/{object}-0.5.onnx");
         let mut draws = Draws(2_024);
-        let (mut over, mut direct, mut stopped) = (0, 0, 0);
+        let (mut over, mut stopped, mut direct) = (0, 0, 0);
         let mut times_s = [0.0; 2];
         for seed in 1..=trials {
-            let (start, friction, catch) = (
-                draws.next(),
-                0.8 + 0.4 * draws.next(),
-                0.8 + 0.4 * draws.next(),
-            );
-            let [seed, start, friction, catch] = [
-                seed.to_string(),
-                start.to_string(),
-                friction.to_string(),
-                catch.to_string(),
-            ];
-            let mut emulator = Emulator::start(&[
-                "--world",
-                object,
-                "--start",
-                &start,
-                "--seed",
-                &seed,
-                "--friction-scale",
-                &friction,
-                "--catch-scale",
-                &catch,
-            ]);
-            let report = run(object, &["0.5"], &policy, &emulator.settings());
-            // A run that could not begin prints nothing; it is counted as stopped.
-            if report.stdout.is_empty() {
-                eprintln!("{object}, seed {seed}: {}", report.stderr.trim());
-                stopped += 1;
-                continue;
-            }
-            let told = report.json();
-            let joint = emulator.state()["object"]["joint_state"].as_f64().unwrap();
-            over += u32::from(reached(object, joint, &told) && report.code == 0);
-            stopped += u32::from(![0, 3].contains(&report.code));
-            times_s[0] += told["time_s"].as_f64().unwrap_or(0.0);
-            drop(emulator);
-            let set = |key: &str, value: &str| {
-                ["--set".to_owned(), format!("driver.params.{key}={value}")]
+            let world = World {
+                start: draws.next(),
+                friction: 0.8 + 0.4 * draws.next(),
+                catch: 0.8 + 0.4 * draws.next(),
+                seed,
             };
-            let settings: Vec<String> = [
-                set("start", &start),
-                set("friction_scale", &friction),
-                set("catch_scale", &catch),
-                ["--seed".to_owned(), seed],
-            ]
-            .into_iter()
-            .flatten()
-            .collect();
-            let told = run(object, &["0.5"], &policy, &settings).json();
+            match over_emulator(object, &policy, &world) {
+                Some((reached, time_s)) => {
+                    over += u32::from(reached);
+                    times_s[0] += time_s;
+                }
+                None => stopped += 1,
+            }
+            let words = run_words(object, &policy, &["0.5"], &world.settings());
+            let told = Running::start(&words).end().json();
             direct += u32::from(told["outcome"] == "reached");
             times_s[1] += told["time_s"].as_f64().unwrap_or(0.0);
         }
-        let [emulator_s, direct_s] = times_s.map(|sum| sum / f64::from(trials));
+        let emulator_s = times_s[0] / f64::from(trials - stopped);
+        let direct_s = times_s[1] / f64::from(trials);
         println!(
             "| {object} | {trials} | {over} | {stopped} | {direct} | {emulator_s:.1} s / {direct_s:.1} s |"
         );
     }
+}
+
+/// What is true in one trial.
+struct World {
+    start: f64,
+    friction: f64,
+    catch: f64,
+    seed: u32,
+}
+
+impl World {
+    /// For `run` with the virtual arm.
+    fn settings(&self) -> Vec<String> {
+        let set = |key: &str, value: f64| format!("driver.params.{key}={value}");
+        let params = [
+            set("start", self.start),
+            set("friction_scale", self.friction),
+            set("catch_scale", self.catch),
+        ];
+        let seed = ["--seed".to_owned(), self.seed.to_string()];
+        let sets = params.into_iter().flat_map(|set| ["--set".to_owned(), set]);
+        sets.chain(seed).collect()
+    }
+
+    /// For the emulator.
+    fn options(&self, object: &str) -> Vec<String> {
+        let options = [
+            ("--world", object.to_owned()),
+            ("--start", self.start.to_string()),
+            ("--seed", self.seed.to_string()),
+            ("--friction-scale", self.friction.to_string()),
+            ("--catch-scale", self.catch.to_string()),
+        ];
+        let words = options
+            .into_iter()
+            .flat_map(|(name, value)| [name.to_owned(), value]);
+        words.collect()
+    }
+}
+
+/// Whether the goal was truly reached, and the time of the run, s; `None` where it was stopped, or
+/// could not begin and so prints nothing.
+fn over_emulator(object: &str, policy: &str, world: &World) -> Option<(bool, f64)> {
+    let options = world.options(object);
+    let options: Vec<&str> = options.iter().map(String::as_str).collect();
+    let mut emulator = Emulator::start(&options);
+    let words = run_words(object, policy, &["0.5"], &emulator.settings());
+    let answer = Running::start(&words).end();
+    if ![0, 3].contains(&answer.code) {
+        eprintln!("{object}, seed {}: {}", world.seed, answer.stderr.trim());
+        return None;
+    }
+    let told = answer.json();
+    let joint = emulator.state()["object"]["joint_state"].as_f64().unwrap();
+    let reached = answer.code == 0 && reached(object, joint, &told);
+    Some((reached, told["time_s"].as_f64().unwrap_or(f64::NAN)))
 }
 
 /// A minute to and fro, with both cores idle and with both busy: the driver's own figures.
@@ -167,7 +166,8 @@ fn pacing() {
             .collect();
         let mut emulator = Emulator::start(&["--world", "door2", "--start", "0.5", "--seed", "1"]);
         let begun = Instant::now();
-        let answer = run("door2", &goals, "door2.onnx", &emulator.settings());
+        let words = run_words("door2", "door2.onnx", &goals, &emulator.settings());
+        let answer = Running::start(&words).end();
         let time_s = begun.elapsed().as_secs_f64();
         end.store(true, Ordering::Relaxed);
         burners
@@ -186,141 +186,141 @@ fn pacing() {
     }
 }
 
-/// Each fault while the arm moves: how often it came to rest, how hard and how soon.
-fn faults(trials: u32) {
-    let faults = [
+/// What goes wrong.
+enum Fault {
+    /// Said to the emulator.
+    Told(Value),
+    /// A signal to the engine's process, taken back after a second where that can be.
+    Sent(i32),
+}
+
+fn all_faults() -> Vec<(&'static str, Fault)> {
+    let told = |fault| Fault::Told(fault);
+    vec![
         (
             "1 packet in 100 lost",
-            json!({"do": "drop", "probability": 0.01}),
+            told(json!({"do": "drop", "probability": 0.01})),
         ),
         (
             "1 packet in 5 lost",
-            json!({"do": "drop", "probability": 0.2}),
+            told(json!({"do": "drop", "probability": 0.2})),
         ),
         (
             "bursts of 40 lost",
-            json!({"do": "drop", "probability": 0.01, "burst": 40}),
+            told(json!({"do": "drop", "probability": 0.01, "burst": 40})),
         ),
         (
             "delayed by 20 ± 10 ms",
-            json!({"do": "delay", "ms": 20, "jitter_ms": 10}),
+            told(json!({"do": "delay", "ms": 20, "jitter_ms": 10})),
         ),
         (
             "1 in 5 twice",
-            json!({"do": "duplicate", "probability": 0.2}),
+            told(json!({"do": "duplicate", "probability": 0.2})),
         ),
         (
             "1 in 5 out of order",
-            json!({"do": "reorder", "probability": 0.2}),
+            told(json!({"do": "reorder", "probability": 0.2})),
         ),
         (
             "1 in 5 cut short",
-            json!({"do": "short", "probability": 0.2}),
+            told(json!({"do": "short", "probability": 0.2})),
         ),
         (
             "50 from a stranger",
-            json!({"do": "stranger", "count": 50, "service": "mxt"}),
+            told(json!({"do": "stranger", "count": 50, "service": "mxt"})),
         ),
         (
             "monitor silent",
-            json!({"do": "silent", "service": "monitor"}),
+            told(json!({"do": "silent", "service": "monitor"})),
         ),
-        ("MXT silent", json!({"do": "silent", "service": "mxt"})),
-        ("alarm", json!({"do": "alarm", "number": 2800})),
-        ("emergency stop", json!({"do": "emergency_stop"})),
-        ("contact stop", json!({"do": "contact_stop"})),
-        ("R3 closed", json!({"do": "r3", "state": "close"})),
+        (
+            "MXT silent",
+            told(json!({"do": "silent", "service": "mxt"})),
+        ),
+        ("alarm", told(json!({"do": "alarm", "number": 2800}))),
+        ("emergency stop", told(json!({"do": "emergency_stop"}))),
+        ("contact stop", told(json!({"do": "contact_stop"}))),
+        ("R3 closed", told(json!({"do": "r3", "state": "close"}))),
         (
             "R3 closed and refused",
-            json!({"do": "r3", "state": "refuse"}),
+            told(json!({"do": "r3", "state": "refuse"})),
         ),
-    ];
+        ("engine paused 1 s", Fault::Sent(libc::SIGSTOP)),
+        ("engine killed", Fault::Sent(libc::SIGKILL)),
+    ]
+}
+
+/// How a run with a fault went.
+struct Suffered {
+    /// Exit code; `None` of a process that was killed.
+    code: Option<i32>,
+    rested: bool,
+    acceleration_m_s2: f64,
+    /// From the fault to rest, s; `None` where the run went on.
+    rest_s: Option<f64>,
+}
+
+/// Each fault while the arm moves: how often it came to rest, how hard and how soon.
+fn faults(trials: u32) {
     println!(
         "| fault | trials | at rest after | exit codes | largest acceleration (20 ms), m/s² | fault to rest, s |"
     );
     println!("|---|---|---|---|---|---|");
-    for (name, fault) in faults {
-        let (mut rested, mut codes) = (0, Vec::new());
-        let (mut hardest, mut longest) = (0.0_f64, None::<f64>);
-        for seed in 1..=trials {
-            let seed = seed.to_string();
-            let mut emulator =
-                Emulator::start(&["--world", "door2", "--start", "0.2", "--seed", &seed]);
-            let settings = emulator.settings();
-            let under_way =
-                thread::spawn(move || run("door2", &["0.8", "0.3"], "door2.onnx", &settings));
-            emulator.wait_for_motion();
-            emulator.tell(&json!({ "do": "reset_peaks" }));
-            emulator.tell(&fault);
-            let answer = under_way.join().unwrap();
-            codes.push(answer.code);
-            rested += u32::from(emulator.wait(2.0, |state| state["at_rest"] == true));
-            let state = emulator.state();
-            let peak = state["peaks"]["tool_smooth_acceleration_m_s2"].as_f64();
-            hardest = hardest.max(peak.unwrap_or(f64::NAN));
-            if let Some(rest_s) = state["rest_after_fault_s"].as_f64() {
-                longest = Some(longest.unwrap_or(0.0).max(rest_s));
-            }
-        }
+    for (name, fault) in all_faults() {
+        let suffered: Vec<_> = (1..=trials).map(|seed| suffer(&fault, seed)).collect();
+        let rested = suffered.iter().filter(|trial| trial.rested).count();
+        let mut codes: Vec<_> = suffered.iter().filter_map(|trial| trial.code).collect();
         codes.sort_unstable();
-        // A fault that the run survives ends with its goals, not with the fault.
-        let longest = match longest {
-            Some(rest_s) if codes.iter().any(|code| [1, 4].contains(code)) => {
-                format!("{rest_s:.2}")
-            }
-            _ => "goes on".to_owned(),
-        };
+        let hardest = suffered.iter().map(|trial| trial.acceleration_m_s2);
+        let hardest = hardest.fold(0.0, f64::max);
+        let longest = suffered.iter().filter_map(|trial| trial.rest_s);
+        let longest = longest.reduce(f64::max);
+        let longest = longest.map_or_else(|| "goes on".to_owned(), |rest_s| format!("{rest_s:.2}"));
         println!("| {name} | {trials} | {rested} | {codes:?} | {hardest:.1} | {longest} |");
     }
-    paused(trials);
 }
 
-/// The engine's process stopped for a second, and killed.
-fn paused(trials: u32) {
-    for (name, signal) in [
-        ("engine paused 1 s", libc::SIGSTOP),
-        ("engine killed", libc::SIGKILL),
-    ] {
-        let (mut rested, mut hardest, mut longest) = (0, 0.0_f64, 0.0_f64);
-        for seed in 1..=trials {
-            let seed = seed.to_string();
-            let mut emulator =
-                Emulator::start(&["--world", "door2", "--start", "0.2", "--seed", &seed]);
-            let folder = tempfile::tempdir().unwrap();
-            let file = path_text(&root().join("objects/door2.toml"));
-            let policy = path_text(&root().join("policies/door2.onnx"));
-            let plugins = path_text(shipped_plugins());
-            let mut words = vec![
-                "run",
-                &file,
-                "--policy",
-                &policy,
-                "--goal",
-                "0.8",
-                "--plugin-dir",
-                &plugins,
-            ];
-            let settings = emulator.settings();
-            words.extend(settings.iter().map(String::as_str));
-            let mut process = command(folder.path(), &words)
-                .stdout(Stdio::null())
-                .stderr(Stdio::null())
-                .spawn()
-                .unwrap();
-            emulator.wait_for_motion();
-            emulator.tell(&json!({ "do": "reset_peaks" }));
-            // SAFETY: a plain system call, to a process that this bench started.
-            let send = |signal| unsafe { libc::kill(process.id() as i32, signal) };
-            let begun = Instant::now();
-            send(signal);
-            rested += u32::from(emulator.wait(2.0, |state| state["at_rest"] == true));
-            longest = longest.max(begun.elapsed().as_secs_f64());
-            thread::sleep(Duration::from_secs(1));
-            send(libc::SIGCONT);
-            let _ = process.wait();
-            let peak = emulator.state()["peaks"]["tool_smooth_acceleration_m_s2"].as_f64();
-            hardest = hardest.max(peak.unwrap_or(f64::NAN));
+fn suffer(fault: &Fault, seed: u32) -> Suffered {
+    let seed = seed.to_string();
+    let mut emulator = Emulator::start(&["--world", "door2", "--start", "0.2", "--seed", &seed]);
+    let words = run_words("door2", "door2.onnx", &["0.8", "0.3"], &emulator.settings());
+    let running = Running::start(&words);
+    emulator.wait_for_motion();
+    emulator.tell(&json!({ "do": "reset_peaks" }));
+    let begun = Instant::now();
+    let rests = |state: &Value| state["at_rest"] == true;
+    let (code, rested, rest_s) = match fault {
+        Fault::Told(fault) => {
+            emulator.tell(fault);
+            let code = running.end().code;
+            let rested = emulator.wait(2.0, rests);
+            let rest_s = emulator.state()["rest_after_fault_s"].as_f64();
+            // A run that survives the fault ends with its goals, not with the fault.
+            (
+                Some(code),
+                rested,
+                rest_s.filter(|_| [1, 4].contains(&code)),
+            )
         }
-        println!("| {name} | {trials} | {rested} | – | {hardest:.1} | {longest:.2} |");
+        Fault::Sent(signal) => {
+            running.signal(*signal);
+            let rested = emulator.wait(2.0, rests);
+            let rest_s = begun.elapsed().as_secs_f64();
+            thread::sleep(Duration::from_secs(1));
+            if *signal == libc::SIGSTOP {
+                running.signal(libc::SIGCONT);
+                (Some(running.end().code), rested, Some(rest_s))
+            } else {
+                (None, rested, Some(rest_s))
+            }
+        }
+    };
+    let peaks = &emulator.state()["peaks"];
+    let acceleration = peaks["tool_smooth_acceleration_m_s2"].as_f64();
+    Suffered {
+        code,
+        rested,
+        acceleration_m_s2: acceleration.unwrap_or(f64::NAN),
+        rest_s,
     }
 }

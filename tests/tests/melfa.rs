@@ -6,12 +6,11 @@ mod common;
 #[path = "common/emulator.rs"]
 mod emulator;
 
-use std::process::{Child, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use common::{Answer, command, door2, door2_policy, pubs, shipped_plugins};
-use emulator::Emulator;
+use common::{door2, path_text, pubs, shipped_plugins};
+use emulator::{Emulator, Running, run_words};
 use serde_json::{Value, json};
 
 /// Acceleration that no stop may pass, m/s²: `control.stop_deceleration_m_s2` of door2 is 5, and the
@@ -23,60 +22,11 @@ const LONG_WAY: [&str; 6] = ["0.8", "0.2", "0.8", "0.2", "0.8", "0.2"];
 
 /// The words of a run of door2 over `emulator`.
 fn words(emulator: &Emulator, goals: &[&str]) -> Vec<String> {
-    let mut words: Vec<String> = ["run", &door2(), "--policy", &door2_policy(), "--json"]
-        .map(str::to_owned)
-        .into();
-    words.push("--plugin-dir".to_owned());
-    words.push(common::path_text(shipped_plugins()));
-    for goal in goals {
-        words.extend(["--goal".to_owned(), (*goal).to_owned()]);
-    }
-    words.extend(emulator.settings());
-    words
+    run_words("door2", "door2.onnx", goals, &emulator.settings())
 }
 
-/// A run under way, in a folder of its own.
-struct Running {
-    process: Option<Child>,
-    words: String,
-    _folder: tempfile::TempDir,
-}
-
-impl Running {
-    fn start(emulator: &Emulator, goals: &[&str]) -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        let words = words(emulator, goals);
-        let process = command(folder.path(), &words)
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        Self {
-            process: Some(process),
-            words: words.join(" "),
-            _folder: folder,
-        }
-    }
-
-    fn signal(&self, signal: i32) {
-        let id = self.process.as_ref().unwrap().id() as i32;
-        // SAFETY: a plain system call, to a process that this test started.
-        assert_eq!(unsafe { libc::kill(id, signal) }, 0);
-    }
-
-    fn end(mut self) -> Answer {
-        let output = self.process.take().unwrap().wait_with_output().unwrap();
-        Answer::from_output(self.words.clone(), output)
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        if let Some(process) = &mut self.process {
-            let _ = process.kill();
-            let _ = process.wait();
-        }
-    }
+fn start(emulator: &Emulator, goals: &[&str]) -> Running {
+    Running::start(&words(emulator, goals))
 }
 
 fn rests(state: &Value) -> bool {
@@ -113,8 +63,11 @@ fn doctor_says_what_stands_in_the_way_and_moves_nothing() {
     let mut emulator = Emulator::start(&["--world", "door2", "--start", "0.3", "--mode", "manual"]);
     let look = |emulator: &Emulator, code: i32| {
         let folder = tempfile::tempdir().unwrap();
-        let mut arguments = words(emulator, &[]);
-        arguments.splice(0..5, ["doctor", &door2(), "--json"].map(str::to_owned));
+        let mut arguments = ["doctor", &door2(), "--json", "--plugin-dir"]
+            .map(str::to_owned)
+            .to_vec();
+        arguments.push(path_text(shipped_plugins()));
+        arguments.extend(emulator.settings());
         pubs(folder.path(), &arguments).assert_code(code).json()
     };
     let state_of = |report: &Value, name: &str| {
@@ -152,7 +105,7 @@ const TROUBLE: [(&str, &[i32], &str); 6] = [
 fn trouble_at_the_controller_brings_the_arm_to_rest_and_nothing_resumes() {
     for (trouble, codes, words) in TROUBLE {
         let mut emulator = Emulator::start(&["--world", "door2", "--start", "0.2", "--seed", "1"]);
-        let running = Running::start(&emulator, &LONG_WAY[..2]);
+        let running = start(&emulator, &LONG_WAY[..2]);
         emulator.wait_for_motion();
         emulator.tell(&json!({ "do": "reset_peaks" }));
         emulator.tell(&serde_json::from_str(trouble).unwrap());
@@ -177,9 +130,9 @@ fn trouble_at_the_controller_brings_the_arm_to_rest_and_nothing_resumes() {
 
 #[test]
 fn a_paused_engine_and_a_killed_one_leave_an_arm_at_rest() {
-    let start = ["--world", "door2", "--start", "0.2", "--seed", "2"];
-    let mut emulator = Emulator::start(&start);
-    let running = Running::start(&emulator, &LONG_WAY);
+    let options = ["--world", "door2", "--start", "0.2", "--seed", "2"];
+    let mut emulator = Emulator::start(&options);
+    let running = start(&emulator, &LONG_WAY);
     emulator.wait_for_motion();
     emulator.tell(&json!({ "do": "reset_peaks" }));
     running.signal(libc::SIGSTOP);
@@ -198,8 +151,8 @@ fn a_paused_engine_and_a_killed_one_leave_an_arm_at_rest() {
     assert!(rests(&state), "{state}");
     assert_gentle(&state, "paused");
 
-    let mut emulator = Emulator::start(&start);
-    let running = Running::start(&emulator, &LONG_WAY);
+    let mut emulator = Emulator::start(&options);
+    let running = start(&emulator, &LONG_WAY);
     emulator.wait_for_motion();
     emulator.tell(&json!({ "do": "reset_peaks" }));
     running.signal(libc::SIGKILL);
@@ -210,7 +163,7 @@ fn a_paused_engine_and_a_killed_one_leave_an_arm_at_rest() {
 #[test]
 fn ctrl_c_ends_in_a_ramped_stop() {
     let mut emulator = Emulator::start(&["--world", "door2", "--start", "0.2", "--seed", "3"]);
-    let running = Running::start(&emulator, &LONG_WAY);
+    let running = start(&emulator, &LONG_WAY);
     emulator.wait_for_motion();
     emulator.tell(&json!({ "do": "reset_peaks" }));
     running.signal(libc::SIGINT);

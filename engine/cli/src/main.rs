@@ -17,7 +17,6 @@ mod pomdp_file;
 mod recorded;
 mod show;
 mod training;
-mod utc;
 mod verbs;
 
 use std::process::ExitCode;

@@ -37,26 +37,27 @@ pub fn ready(
     registry: &Registry,
     seed: u64,
 ) -> Result<Ready, Failure> {
-    of_loaded(
-        object::load(path, overrides)?,
-        belief_frequency,
-        registry,
-        seed,
-    )
+    let loaded = object::load(path, overrides)?;
+    let task = compile(&loaded.file).map_err(|error| Failure::fault(&error))?;
+    let faults = parameter_faults(&loaded, &task, registry);
+    if !faults.is_empty() {
+        return Err(Failure::Faults(Faults(faults)));
+    }
+    without_driver(loaded, belief_frequency, registry, seed)
 }
 
-/// The same of a file that has been read, or was never one.
+/// The same of a file that has been read, or was never one, whose driver will not be opened.
 ///
 /// # Errors
-/// As [`ready`].
-pub fn of_loaded(
+/// As [`ready`], but for faults of the driver.
+pub fn without_driver(
     loaded: LoadedObject,
     belief_frequency: Option<u32>,
     registry: &Registry,
     seed: u64,
 ) -> Result<Ready, Failure> {
     let task = compile(&loaded.file).map_err(|error| Failure::fault(&error))?;
-    let faults = parameter_faults(&loaded, &task, registry);
+    let faults = model_faults(&loaded, &task, registry);
     if !faults.is_empty() {
         return Err(Failure::Faults(Faults(faults)));
     }
@@ -148,6 +149,12 @@ fn faults_of(loaded: Result<LoadedObject, Faults>, registry: &Registry) -> Vec<F
 
 /// What plugins say of the tables that are theirs.
 fn parameter_faults(loaded: &LoadedObject, task: &Task, registry: &Registry) -> Vec<Fault> {
+    let mut faults = model_faults(loaded, task, registry);
+    faults.extend(driver_faults(loaded, task, registry));
+    faults
+}
+
+fn model_faults(loaded: &LoadedObject, task: &Task, registry: &Registry) -> Vec<Fault> {
     let mut faults = Vec::new();
     match registry.observation_model(&task.observation.model) {
         Ok(plugin) => {
@@ -165,7 +172,6 @@ fn parameter_faults(loaded: &LoadedObject, task: &Task, registry: &Registry) -> 
             cure(&task.observation.model),
         )),
     }
-    faults.extend(driver_faults(loaded, task, registry));
     faults
 }
 

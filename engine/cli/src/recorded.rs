@@ -12,13 +12,12 @@ use pubs_run::recording::{
     Header, Limits, PolicyNote, RUN_FORMAT_VERSION, RecordingError, RecordingWriter, RunHeader,
     RunPreface, RunRecorder,
 };
-use pubs_run::{RunOptions, RunReport};
+use pubs_run::{RunOptions, RunReport, utc};
 use serde_json::Value;
 
 use crate::failure::Failure;
 use crate::object::Ready;
 use crate::policies::sibling_folder;
-use crate::utc::Utc;
 
 /// Where a run is recorded.
 #[derive(Args)]
@@ -55,9 +54,9 @@ pub fn recorder(
     if options.no_record {
         return Ok(None);
     }
-    let started = Utc::now();
+    let started = utc::now();
     let header = header(RUN_FORMAT_VERSION, &setup.ready.task, setup.arm, run.seed);
-    let about = about(setup, run, started);
+    let about = about(setup, run, &started);
     let resolved = setup.ready.loaded.resolved_text();
     let resolved = resolved.map_err(Failure::invalid)?;
     let preface = RunPreface {
@@ -67,7 +66,7 @@ pub fn recorder(
         resolved_toml: &resolved,
         policies: vec![setup.policy.bytes()],
     };
-    let writer = create(options, setup, started, &preface)?;
+    let writer = create(options, setup, &started, &preface)?;
     let task = &setup.ready.task;
     let limits = Limits {
         unit: task.joint.unit(),
@@ -88,7 +87,7 @@ pub fn recorder(
 fn create(
     options: &RecordingOptions,
     setup: &Setup<'_>,
-    started: Utc,
+    started: &str,
     preface: &RunPreface<'_>,
 ) -> Result<RecordingWriter, Failure> {
     let refused = |error: RecordingError| {
@@ -109,7 +108,8 @@ fn create(
             folder.display()
         ))
     })?;
-    let stem = format!("{}-{}", setup.ready.task.name, started.compact());
+    let time = started.replace(['-', ':'], "");
+    let stem = format!("{}-{time}", setup.ready.task.name);
     let mut part = 1;
     loop {
         let name = match part {
@@ -149,7 +149,7 @@ pub fn header(format: u32, task: &Task, arm: &DriverInstance, seed: u64) -> Head
     }
 }
 
-fn about(setup: &Setup<'_>, run: &RunOptions, started: Utc) -> RunHeader {
+fn about(setup: &Setup<'_>, run: &RunOptions, started: &str) -> RunHeader {
     let (task, policy) = (&setup.ready.task, setup.policy);
     let contract = policy.contract();
     let plugin = setup.arm.plugin();
@@ -179,7 +179,7 @@ fn about(setup: &Setup<'_>, run: &RunOptions, started: Utc) -> RunHeader {
             foreign_inputs: contract.is_none().then(|| policy.inputs().to_vec()),
             contract: serde_json::to_value(contract).unwrap_or(Value::Null),
         }],
-        started: (!run.lockstep).then(|| started.iso()),
+        started: (!run.lockstep).then(|| started.to_owned()),
     }
 }
 

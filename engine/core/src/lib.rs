@@ -6,7 +6,8 @@
 //! [`joint`] maps poses to joint displacements and gives the frame of the motion (§III-A.1, §III-C.2),
 //! [`action`] and [`observation`] are A and O of the POMDP (§III-A.2, §III-A.3),
 //! [`reward`] is eq. (1), [`belief`] the particle filter of eq. (6)–(10),
-//! [`shield`] masks high-force actions near limits and [`repetition`] those that changed nothing, [`controller`] is eq. (12) and (13).
+//! [`shield`] masks high-force actions near limits and [`repetition`] those that changed nothing,
+//! [`controller`] is eq. (12) and (13).
 //! Nothing here starts a thread, opens a socket or writes a file.
 
 pub mod action;

@@ -23,33 +23,42 @@ pub struct Repetition {
     futile: u64,
 }
 
-/// An action and what was believed when it was chosen.
+/// Where handle and belief are between two actions.
+#[derive(Debug, Clone, Copy)]
+pub struct Place {
+    /// The handle, from wherever it is counted (rad, m or plain).
+    pub handle: f64,
+    /// The belief.
+    pub summary: Summary,
+}
+
+/// An action and where it began.
 #[derive(Debug, Clone, Copy)]
 struct Taken {
     action: usize,
-    summary: Summary,
+    from: Place,
 }
 
 impl Repetition {
-    /// The action of this index begins, chosen with this summary.
-    pub fn begin(&mut self, action: usize, summary: Summary) {
-        self.taken = Some(Taken { action, summary });
+    /// The action of this index begins.
+    pub fn begin(&mut self, action: usize, from: Place) {
+        self.taken = Some(Taken { action, from });
     }
 
-    /// The latest action is over: it displaced the handle by so much (rad, m or plain).
-    pub fn end(&mut self, joint: &Joint, displacement: f64, summary: Summary) {
-        let Some(taken) = self.taken.take() else {
+    /// The latest action, if there was one, has led here.
+    pub fn end(&mut self, joint: &Joint, here: Place) {
+        let Some(Taken { action, from }) = self.taken.take() else {
             return;
         };
         let threshold = joint
             .geometry()
             .map_or(0.0, |geometry| geometry.motion_threshold_m)
             * joint.per_metre();
-        let held = displacement.abs() <= threshold;
-        let learnt = (summary.mean - taken.summary.mean).abs() >= MEAN_SHARE * joint.range()
-            || (summary.entropy - taken.summary.entropy).abs() >= ENTROPY;
+        let held = (here.handle - from.handle).abs() <= threshold;
+        let learnt = (here.summary.mean - from.summary.mean).abs() >= MEAN_SHARE * joint.range()
+            || (here.summary.entropy - from.summary.entropy).abs() >= ENTROPY;
         self.futile = if held && !learnt {
-            self.futile | bit(taken.action)
+            self.futile | bit(action)
         } else {
             0
         };
@@ -76,6 +85,14 @@ mod tests {
     use super::*;
     use crate::joint::{Geometry, JointKind};
 
+    const AT_REST: Place = Place {
+        handle: 0.0,
+        summary: Summary {
+            mean: 0.0,
+            entropy: 0.35,
+        },
+    };
+
     /// A hinge of 0.5 m over 2 rad, where 0.5 mm at the handle are 0.001 rad.
     fn hinge() -> Joint {
         Joint {
@@ -97,6 +114,10 @@ mod tests {
     #[test]
     fn only_an_action_that_moved_nothing_and_taught_nothing_is_masked() {
         let before = (1.0, 0.4);
+        let place = |handle, (mean, entropy)| Place {
+            handle,
+            summary: Summary { mean, entropy },
+        };
         let cases = [
             (0.0, before, false, "held, and the belief as before"),
             (-0.0009, before, false, "held within the threshold"),
@@ -105,14 +126,10 @@ mod tests {
             (0.0, (1.0019, 0.4), false, "the mean moved by less"),
             (0.0, (1.0, 0.397), true, "the entropy fell"),
         ];
-        for (displacement, (mean, entropy), allowed, name) in cases {
+        for (displacement, after, allowed, name) in cases {
             let mut repetition = Repetition::default();
-            let summary = Summary {
-                mean: before.0,
-                entropy: before.1,
-            };
-            repetition.begin(2, summary);
-            repetition.end(&hinge(), displacement, Summary { mean, entropy });
+            repetition.begin(2, place(0.3, before));
+            repetition.end(&hinge(), place(0.3 + displacement, after));
             assert_eq!(repetition.allows(2), allowed, "{name}");
             assert!(repetition.allows(1), "{name}: another action is masked");
         }
@@ -120,22 +137,14 @@ mod tests {
 
     #[test]
     fn the_65th_action_masks_nothing() {
-        let summary = Summary {
-            mean: 0.0,
-            entropy: 0.35,
-        };
         let mut repetition = Repetition::default();
-        repetition.begin(64, summary);
-        repetition.end(&hinge(), 0.0, summary);
+        repetition.begin(64, AT_REST);
+        repetition.end(&hinge(), AT_REST);
         assert!(repetition.allows(64) && repetition.allows(0));
     }
 
     #[test]
     fn the_mask_lasts_until_something_changes() {
-        let summary = Summary {
-            mean: 0.0,
-            entropy: 0.35,
-        };
         let mut repetition = Repetition::default();
         let steps = [
             (2, 0.0, [true, true, false, true]),
@@ -144,8 +153,9 @@ mod tests {
             (2, 0.0, [true, true, false, true]),
         ];
         for (step, (action, displacement, expected)) in steps.into_iter().enumerate() {
-            repetition.begin(action, summary);
-            repetition.end(&hinge(), displacement, summary);
+            repetition.begin(action, AT_REST);
+            let handle = AT_REST.handle + displacement;
+            repetition.end(&hinge(), Place { handle, ..AT_REST });
             let allowed = [0, 1, 2, 3].map(|action| repetition.allows(action));
             assert_eq!(allowed, expected, "step {step}, action {action}");
         }

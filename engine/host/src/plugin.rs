@@ -221,14 +221,28 @@ unsafe fn functions(table: &PluginTable) -> Result<Functions, LibraryFault> {
 /// `table` is null or points to a table of functions that begins with its size and lives as long
 /// as the process.
 unsafe fn sized<T>(table: *const T, name: &'static str) -> Result<&'static T, LibraryFault> {
+    // SAFETY: the caller's promise.
+    unsafe { size_of_table(table, name, size_of::<T>()) }?;
+    // SAFETY: as long as the type, as the size says.
+    Ok(unsafe { &*table })
+}
+
+/// The size that a table begins with, at least `least`.
+///
+/// # Safety
+/// As [`sized`].
+unsafe fn size_of_table<T>(
+    table: *const T,
+    name: &'static str,
+    least: usize,
+) -> Result<u32, LibraryFault> {
     if table.is_null() || !table.is_aligned() {
         return Err(LibraryFault::Missing { part: name });
     }
     // SAFETY: a table of functions begins with a u32 size.
     let size = unsafe { table.cast::<u32>().read() };
-    check_size(name, size, size_of::<T>())?;
-    // SAFETY: as long as the type, as the size says.
-    Ok(unsafe { &*table })
+    check_size(name, size, least)?;
+    Ok(size)
 }
 
 /// A copy of a driver's table; what an older plugin does not have is absent in it.
@@ -236,13 +250,8 @@ unsafe fn sized<T>(table: *const T, name: &'static str) -> Result<&'static T, Li
 /// # Safety
 /// As [`sized`].
 unsafe fn driver_table(table: *const DriverTable) -> Result<DriverTable, LibraryFault> {
-    const NAME: &str = "pubs_driver_table";
-    if table.is_null() || !table.is_aligned() {
-        return Err(LibraryFault::Missing { part: NAME });
-    }
-    // SAFETY: it begins with a u32 size.
-    let size = unsafe { table.cast::<u32>().read() };
-    check_size(NAME, size, SHORTEST_DRIVER_TABLE)?;
+    // SAFETY: the caller's promise.
+    let size = unsafe { size_of_table(table, "pubs_driver_table", SHORTEST_DRIVER_TABLE) }?;
     let mut copy = DriverTable {
         size,
         reserved: 0,

@@ -113,10 +113,10 @@ impl ControlLoop {
         let stopping = self.is_stopping();
         let felt =
             reading.map(|reading| (reading, self.advance(&reading, order, stopping, now_ns)));
-        self.tell(now_ns, order, stopping, felt);
         if felt.is_none() {
             self.ramp_down_blind(now_ns);
         }
+        self.tell(now_ns, order, stopping, felt);
         self.signals.controller_lives(now_ns);
         self.last_step_ns = Some(now_ns);
         let over = self.is_stopping() && self.motion.speed_m_s() == 0.0;
@@ -191,15 +191,13 @@ impl ControlLoop {
     }
 
     fn advance(&mut self, reading: &Reading, order: &Order, stopping: bool, now_ns: u64) -> Sample {
-        let Some(moved) = self.motion.follow(reading, order, stopping, now_ns) else {
+        let moved = self
+            .motion
+            .follow(self.ticks, reading, order, stopping, now_ns);
+        let (Some(sample), Some((path, pose))) = (moved, self.motion.last()) else {
             return Sample::default();
         };
-        self.guard
-            .command(&moved.path, &moved.pose, moved.sample.speed_m_s, now_ns);
-        let sample = Sample {
-            tick: self.ticks,
-            ..moved.sample
-        };
+        self.guard.command(path, pose, sample.speed_m_s, now_ns);
         let grip = self.grip.as_mut();
         if let Some(trip) = grip.and_then(|grip| grip.see(&sample, stopping)) {
             self.guard.trip(trip);

@@ -28,6 +28,7 @@ pub mod recording;
 pub mod replay;
 mod report;
 mod run;
+pub mod utc;
 
 pub use actor::{Actor, ActorError};
 pub use arm::{Arm, ArmError};

@@ -25,16 +25,6 @@ pub struct Motion {
     steady: Option<(f64, u64)>,
 }
 
-/// What a reading gave.
-pub struct Moved {
-    /// For the filter; its tick is still 0.
-    pub sample: Sample,
-    /// The path of the handle.
-    pub path: Path,
-    /// Where the tool is.
-    pub pose: Pose,
-}
-
 impl Motion {
     /// At rest, the path of the handle still unknown.
     pub fn new(task: Arc<Task>, control: Control) -> Self {
@@ -67,15 +57,16 @@ impl Motion {
         self.speed_m_s = self.control.ramp(self.speed_m_s, 0.0);
     }
 
-    /// A period with a reading; `stopping` where the arm is to come to rest whatever is ordered.
-    /// `None` on joints that no arm moves.
+    /// The period of this tick with its reading; `stopping` where the arm is to come to rest whatever
+    /// is ordered. `None` on joints that no arm moves.
     pub fn follow(
         &mut self,
+        tick: u64,
         reading: &Reading,
         order: &Order,
         stopping: bool,
         now_ns: u64,
-    ) -> Option<Moved> {
+    ) -> Option<Sample> {
         let pose = Pose::new(reading.position_m, reading.orientation_xyzw);
         if self.path.is_none() {
             self.path = Path::at_grasp(&self.task.joint, &pose).map(|path| (path, pose));
@@ -102,8 +93,8 @@ impl Motion {
         // Opening for the stop action, whose sign is 0.
         let direction = Direction::of(sign);
         let force = pose.orientation * Vector3::from(reading.force_n);
-        let sample = Sample {
-            tick: 0,
+        Some(Sample {
+            tick,
             action: index,
             displacement: path.displacement(&pose),
             forces_n: path.frame(&pose, direction).decompose(&force),
@@ -111,8 +102,7 @@ impl Motion {
             speed_m_s: self.speed_m_s,
             demonstration: order.demonstration,
             valid: true,
-        };
-        Some(Moved { sample, path, pose })
+        })
     }
 
     /// Whether the arm is held at rest, or has moved with the wanted speed for so long that nothing

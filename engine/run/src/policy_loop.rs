@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use pubs_core::Task;
 use pubs_core::input::Seen;
-use pubs_core::repetition::Repetition;
+use pubs_core::repetition::{Place, Repetition};
 use pubs_core::reward::violates_safety;
 use pubs_policy::{RunError as PolicyFault, choose};
 use rand::{RngExt, SeedableRng};
@@ -47,8 +47,6 @@ pub struct PolicyLoop {
     reports: Vec<GoalReport>,
     last: BeliefMessage,
     repetition: Repetition,
-    /// Displacement of the handle when the latest action was chosen (rad or m).
-    chosen_at: f64,
     action: usize,
     /// Steps of the loop, whatever they were for.
     ticks: u64,
@@ -89,7 +87,6 @@ impl PolicyLoop {
             reports: Vec::new(),
             last: BeliefMessage::default(),
             repetition: Repetition::default(),
-            chosen_at: 0.0,
         }
     }
 
@@ -137,15 +134,16 @@ impl PolicyLoop {
             random_entropy: self.rng.random(),
         };
         let logits = self.policies[plan.policy].logits(&seen)?;
-        let displacement = self.last.displacement - self.chosen_at;
-        self.repetition
-            .end(&self.task.joint, displacement, self.last.summary);
+        let here = Place {
+            handle: self.last.displacement,
+            summary: self.last.summary,
+        };
+        self.repetition.end(&self.task.joint, here);
         let (shield, repetition) = (self.last.allowed, self.repetition);
         let index = choose(logits, self.task.stop, |index| {
             shield >> index & 1 == 1 && repetition.allows(index)
         });
-        self.repetition.begin(index, self.last.summary);
-        self.chosen_at = self.last.displacement;
+        self.repetition.begin(index, here);
         self.steps += 1;
         self.actions_used[index] += 1;
         let action = &self.task.actions[index];

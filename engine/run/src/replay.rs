@@ -29,13 +29,13 @@ use crate::messages::{BeliefMessage, Order, Sample, Signals};
 use crate::motion::Motion;
 use crate::policy_loop::PolicyLoop;
 use crate::recording::{ChoiceVerdict, RunRecording, Tick};
-use crate::run::{GoalPlan, RunError};
+use crate::run::{GoalPlan, RunError, checked};
 use compare::Comparison;
 
 /// Replays a run; `task`, `model` and `policies` are made of what the recording holds.
 ///
 /// # Errors
-/// [`RunError::Abstract`] where no arm moves the object.
+/// [`RunError`] where what the recording holds does not belong together.
 pub fn replay(
     recording: &RunRecording,
     task: &Arc<Task>,
@@ -46,13 +46,46 @@ pub fn replay(
     let control = task
         .control
         .ok_or_else(|| RunError::Abstract(task.name.clone()))?;
+    let goals = recording.run.goals.iter();
+    let goals: Vec<_> = goals
+        .map(|&(state, policy)| GoalPlan { state, policy })
+        .collect();
+    let channels = checked(task, model.as_ref(), &policies, &goals)?;
+    same_actions(recording, task)?;
     let start_ns = recording.ticks.first().map_or(0, |tick| tick.time_ns);
     let mut comparison = Comparison::new(recording, *tolerances, start_ns);
     let unit = VectorUnit::by_name(&recording.run.vector_unit).unwrap_or_else(VectorUnit::best);
     let samples = samples(recording, task, control, &mut comparison);
-    let beliefs = beliefs(recording, task, model, unit, &samples, &mut comparison);
-    choices(recording, task, policies, &beliefs, &mut comparison);
+    let filter = Filter::on(unit, task, model);
+    let shield = recording.run.shield;
+    let shield = shield.map(|(mass, flattening)| Shield { mass, flattening });
+    let follower = FilterLoop::new(Arc::clone(task), filter, channels, shield, None);
+    let beliefs = beliefs(recording, follower, &samples, &mut comparison);
+    let signals = Signals::new();
+    let chooser = PolicyLoop::new(
+        Arc::clone(task),
+        policies,
+        goals,
+        recording.run.max_steps,
+        signals.clone(),
+        stream(recording.header.seed, "random entropy"),
+        None,
+    );
+    choices(recording, chooser, &signals, &beliefs, &mut comparison);
     Ok(comparison.report(unit.to_string()))
+}
+
+/// Numbers in a recording stand for the actions that its header names.
+fn same_actions(recording: &RunRecording, task: &Task) -> Result<(), RunError> {
+    let actions = task.actions.iter();
+    let actions: Vec<_> = actions.map(|action| action.name.clone()).collect();
+    if recording.header.actions == actions {
+        return Ok(());
+    }
+    Err(RunError::Actions {
+        recorded: recording.header.actions.clone(),
+        actions,
+    })
 }
 
 /// Today's sample of each tick that had a reading.
@@ -88,28 +121,22 @@ fn sample_of(motion: &mut Motion, tick: &Tick) -> Option<Sample> {
         demonstration: frame.demonstration,
         valid: true,
     };
-    let moved = motion.follow(&frame.reading, &order, tick.stopping, tick.time_ns)?;
-    Some(Sample {
-        tick: tick.tick,
-        ..moved.sample
-    })
+    motion.follow(
+        tick.tick,
+        &frame.reading,
+        &order,
+        tick.stopping,
+        tick.time_ns,
+    )
 }
 
 /// Today's belief of each step.
 fn beliefs(
     recording: &RunRecording,
-    task: &Arc<Task>,
-    model: Arc<dyn Model>,
-    unit: VectorUnit,
+    mut follower: FilterLoop,
     samples: &HashMap<u64, Sample>,
     comparison: &mut Comparison<'_>,
 ) -> HashMap<u64, BeliefMessage> {
-    let channels = model.channels().iter();
-    let channels = channels.map(|channel| channel.name.clone()).collect();
-    let filter = Filter::on(unit, task, model);
-    let shield = recording.run.shield;
-    let shield = shield.map(|(mass, flattening)| Shield { mass, flattening });
-    let mut follower = FilterLoop::new(Arc::clone(task), filter, channels, shield, None);
     let mut beliefs = HashMap::new();
     for (number, step) in (1..).zip(&recording.beliefs) {
         if step.message.step != number {
@@ -121,7 +148,7 @@ fn beliefs(
             tick => match samples.get(&tick) {
                 Some(sample) => *sample,
                 None => {
-                    comparison.gap(step.time_ns, "/controller", tick);
+                    comparison.lacks(step.time_ns, "/controller", tick);
                     break;
                 }
             },
@@ -138,23 +165,11 @@ fn beliefs(
 /// Today's choices.
 fn choices(
     recording: &RunRecording,
-    task: &Arc<Task>,
-    policies: Vec<Actor>,
+    mut chooser: PolicyLoop,
+    signals: &Signals,
     beliefs: &HashMap<u64, BeliefMessage>,
     comparison: &mut Comparison<'_>,
 ) {
-    let goals = recording.run.goals.iter();
-    let goals = goals.map(|&(state, policy)| GoalPlan { state, policy });
-    let signals = Signals::new();
-    let mut chooser = PolicyLoop::new(
-        Arc::clone(task),
-        policies,
-        goals.collect(),
-        recording.run.max_steps,
-        signals.clone(),
-        stream(recording.header.seed, "random entropy"),
-        None,
-    );
     for (number, choice) in (1..).zip(&recording.choices) {
         if choice.step != number {
             comparison.gap(choice.time_ns, "/policy", number);
@@ -165,14 +180,7 @@ fn choices(
             step => match beliefs.get(&step) {
                 Some(belief) => *belief,
                 None => {
-                    // A belief that fails today alone has been told as a difference.
-                    let recorded = recording.beliefs.iter();
-                    if !recorded
-                        .map(|belief| belief.message.step)
-                        .any(|known| known == step)
-                    {
-                        comparison.gap(choice.time_ns, "/belief", step);
-                    }
+                    comparison.lacks(choice.time_ns, "/belief", step);
                     break;
                 }
             },

@@ -66,6 +66,22 @@ pub enum RunError {
     /// The observation model fails.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// A goal of a policy that is not there.
+    #[error("a goal asks for policy {policy} of {policies}")]
+    NoPolicy {
+        /// Its index.
+        policy: usize,
+        /// How many there are.
+        policies: usize,
+    },
+    /// A recording that names other actions than its object.
+    #[error("the recording names the actions {}; its object has {}", recorded.join(", "), actions.join(", "))]
+    Actions {
+        /// In the recording.
+        recorded: Vec<String>,
+        /// Of the object.
+        actions: Vec<String>,
+    },
     /// A policy with the wrong number of actions.
     #[error("a policy chooses among {outputs} actions; this object has {actions}")]
     PolicyShape {
@@ -109,12 +125,7 @@ pub fn run_recorded(
     let control = task
         .control
         .ok_or_else(|| RunError::Abstract(task.name.clone()))?;
-    let channels: Vec<String> = model
-        .channels()
-        .iter()
-        .map(|channel| channel.name.clone())
-        .collect();
-    check(task, &channels, &policies, options)?;
+    let channels = checked(task, model.as_ref(), &policies, &options.goals)?;
     let grip = GripWatch::new(task, &control, model.as_ref())?;
     let signals = Signals::new();
     let filter = Filter::new(task, model);
@@ -165,7 +176,7 @@ pub fn run_recorded(
 /// Writes the last words of a recording; the report with what became of it.
 fn close(recorder: RunRecorder, end_ns: u64, report: RunReport) -> RunReport {
     let file = recorder.file().display().to_string();
-    let finished = recorder.finish(end_ns, report.reason.clone(), report.lateness, &report);
+    let finished = recorder.finish(end_ns, &report);
     RunReport {
         recording: Some(file),
         recording_dropped: finished.dropped,
@@ -174,15 +185,24 @@ fn close(recorder: RunRecorder, end_ns: u64, report: RunReport) -> RunReport {
     }
 }
 
-fn check(
+/// The channels of the model, where goals, policies and model fit the task.
+pub(crate) fn checked(
     task: &Task,
-    channels: &[String],
+    model: &dyn Model,
     policies: &[Actor],
-    options: &RunOptions,
-) -> Result<(), RunError> {
-    if options.goals.is_empty() {
+    goals: &[GoalPlan],
+) -> Result<Vec<String>, RunError> {
+    if goals.is_empty() {
         return Err(RunError::NoGoal);
     }
+    if let Some(goal) = goals.iter().find(|goal| goal.policy >= policies.len()) {
+        return Err(RunError::NoPolicy {
+            policy: goal.policy,
+            policies: policies.len(),
+        });
+    }
+    let channels = model.channels().iter();
+    let channels: Vec<String> = channels.map(|channel| channel.name.clone()).collect();
     if let Some(channel) = channels
         .iter()
         .find(|channel| !ARM_CHANNELS.contains(&channel.as_str()))
@@ -193,7 +213,7 @@ fn check(
     }
     let misfit = |policy: &&Actor| policy.actions() != task.actions.len();
     match policies.iter().find(misfit) {
-        None => Ok(()),
+        None => Ok(channels),
         Some(policy) => Err(RunError::PolicyShape {
             outputs: policy.actions(),
             actions: task.actions.len(),

@@ -4,9 +4,9 @@
 //! plant integrates it: an arm that follows velocities ([`arm`]), a joint with its resistance
 //! ([`resistance`]), springs between the two ([`plant`]), all in the frames of [`geometry`].
 //! A wrist sensor with noise, bias and drift ([`sensor`]) reports the force that the tool exerts
-//! on the object; [`trouble`] is what may go wrong with object and grasp. [`simulation`] runs them in ticks of one millisecond, and [`driver`] puts that
-//! behind the engine's driver interface, in real time or in virtual time, where the same seed and
-//! the same calls give the same bytes.
+//! on the object; [`trouble`] is what may go wrong with object and grasp. [`simulation`] runs them
+//! in ticks of one millisecond, and [`driver`] puts that behind the engine's driver interface, in
+//! real time or in virtual time, where the same seed and the same calls give the same bytes.
 //!
 //! ```toml
 //! [driver]

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use crate::common::shipped_plugins;
+use crate::common::{Answer, command, path_text, root, shipped_plugins};
 
 /// The emulator's process, its ports and its control socket.
 pub struct Emulator {
@@ -115,5 +115,69 @@ impl Drop for Emulator {
     fn drop(&mut self) {
         let _ = self.process.kill();
         let _ = self.process.wait();
+    }
+}
+
+/// The words of a run of a shipped object with a shipped policy, goals one after the other.
+pub fn run_words(object: &str, policy: &str, goals: &[&str], settings: &[String]) -> Vec<String> {
+    let object = path_text(&root().join(format!("objects/{object}.toml")));
+    let policy = path_text(&root().join("policies").join(policy));
+    let plugins = path_text(shipped_plugins());
+    let fixed = [
+        "run",
+        &object,
+        "--policy",
+        &policy,
+        "--json",
+        "--plugin-dir",
+        &plugins,
+        "--no-record",
+    ];
+    let goals = goals.iter().flat_map(|goal| ["--goal", goal]);
+    let words = fixed.into_iter().chain(goals).map(str::to_owned);
+    words.chain(settings.iter().cloned()).collect()
+}
+
+/// A run under way, in a folder of its own.
+pub struct Running {
+    process: Option<Child>,
+    words: String,
+    _folder: tempfile::TempDir,
+}
+
+impl Running {
+    pub fn start(words: &[String]) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let process = command(folder.path(), words)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        Self {
+            process: Some(process),
+            words: words.join(" "),
+            _folder: folder,
+        }
+    }
+
+    pub fn signal(&self, signal: i32) {
+        let id = self.process.as_ref().unwrap().id() as i32;
+        // SAFETY: a plain system call, to a process that was started here.
+        assert_eq!(unsafe { libc::kill(id, signal) }, 0);
+    }
+
+    /// Waits for its answer; one that was killed has none.
+    pub fn end(mut self) -> Answer {
+        let output = self.process.take().unwrap().wait_with_output().unwrap();
+        Answer::from_output(self.words.clone(), output)
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        if let Some(process) = &mut self.process {
+            let _ = process.kill();
+            let _ = process.wait();
+        }
     }
 }

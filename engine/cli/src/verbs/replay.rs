@@ -12,7 +12,7 @@ use pubs_run::replay::{Difference, ReplayReport, Tolerances, replay};
 use serde_json::Value;
 
 use crate::failure::{Failure, chain};
-use crate::object::{Ready, of_loaded};
+use crate::object::{Ready, without_driver};
 use crate::options::RuntimeOptions;
 use crate::{Ended, built_in, exit, show};
 
@@ -76,7 +76,7 @@ pub fn run(arguments: &Arguments) -> Ended {
     }
     if report.recorded_on != report.replayed_on {
         show::say(&format!(
-            "note: recorded on the vector unit {}, replayed on {}: last bits differ (--tolerance-state 1e-4 --tolerance-entropy 1e-4 passes over them)",
+            "note: recorded on the vector unit {}, replayed on {}: last bits differ (--tolerance-state, --tolerance-force and --tolerance-entropy pass over small differences)",
             report.recorded_on, report.replayed_on
         ));
     }
@@ -96,7 +96,7 @@ pub fn run(arguments: &Arguments) -> Ended {
 fn object(arguments: &Arguments, recording: &RunRecording) -> Result<Ready, Failure> {
     let name = format!("{}: object.resolved.toml", arguments.recording.display());
     let text = recording.resolved_toml.clone();
-    of_loaded(
+    without_driver(
         object::load_text(&name, text, &Overrides::none())?,
         recording.run.belief_frequency,
         &built_in::registry(&arguments.plugin_dirs),

@@ -9,12 +9,12 @@ use std::time::Duration;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use pubs_core::vector::VectorUnit;
-use pubs_evaluate::reproduce::date::now;
 use pubs_evaluate::reproduce::plan::{Part, PlanOptions, plan};
 use pubs_evaluate::reproduce::report::{ReportContext, write};
 use pubs_evaluate::reproduce::runner::{self, Event};
 use pubs_evaluate::reproduce::workshop::Workshop;
 use pubs_evaluate::reproduce::{Results, cell::Unit};
+use pubs_run::utc;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -315,7 +315,7 @@ fn report(
         command: format!("pubs-engine {}", command.join(" ")),
         engine_version: env!("CARGO_PKG_VERSION").to_owned(),
         vector_unit: VectorUnit::best().to_string(),
-        made_at: now(),
+        made_at: utc::now(),
         planned: plan(&options(arguments, BTreeSet::new())),
     };
     write(results, folder, &context).map_err(|error| Failure::fault(&error))

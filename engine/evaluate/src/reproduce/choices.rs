@@ -23,7 +23,8 @@ pub const CHOICES: [Choice; 24] = [
                  Policies on a belief get `standard` (the benchmarks `benchmark`, the same with \
                  twice the steps), policies on raw observations `baseline`; both with ten times \
                  the learning rate and an entropy bonus that ends at 0. Each row of the table of \
-                 cells names its recipe. PPO was tried with `standard` as well and earns no more.",
+                 cells names its recipe. PPO with `standard` was tried on two of the twelve cells \
+                 and earned no more.",
     },
     Choice {
         open: "A belief that stands still",

@@ -9,7 +9,6 @@
 pub mod brief;
 pub mod cell;
 pub mod choices;
-pub mod date;
 mod document;
 mod figures;
 pub mod frequency;

@@ -11,7 +11,6 @@ use pubs_core::vector::VectorUnit;
 use pubs_policy::PolicyFile;
 
 use super::cell::{Cell, CellResult, GoalName, Method, Unit};
-use super::date;
 use super::heatmap::{PICTURES, heatmap_id};
 use super::paper::{GOALS, OBJECTS};
 use super::results::{CELLS, HEATMAPS, Results};
@@ -133,7 +132,7 @@ impl Job<'_> {
             engine_version: env!("CARGO_PKG_VERSION").to_owned(),
             vector_unit: VectorUnit::best().to_string(),
             task_hash,
-            made_at: date::now(),
+            made_at: pubs_run::utc::now(),
             time_s,
             result,
         };

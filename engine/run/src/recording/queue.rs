@@ -2,19 +2,102 @@
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::thread::{self, JoinHandle};
 
 use super::{Finished, RecordingError};
 
-/// A thread and the bounded queue before it.
-pub(super) struct Queue<T> {
-    file: PathBuf,
+/// Starts a thread behind a queue of `capacity` entries; `dropped` counts those that found no room.
+pub(super) fn start<T: Send + 'static>(
+    file: &Path,
+    capacity: usize,
+    dropped: Arc<AtomicU64>,
+    consume: impl FnOnce(Receiver<T>) -> Result<(), RecordingError> + Send + 'static,
+) -> std::io::Result<(Entrance<T>, WriterThread)> {
+    let (entries, receiver) = sync_channel(capacity);
+    let thread = thread::Builder::new()
+        .name("recorder".to_owned())
+        .spawn(move || consume(receiver))?;
+    let file = file.to_owned();
+    Ok((Entrance { entries, dropped }, WriterThread { file, thread }))
+}
+
+/// The near end of a queue; several threads may have one.
+pub(super) struct Entrance<T> {
     entries: SyncSender<T>,
+    dropped: Arc<AtomicU64>,
+}
+
+impl<T> Clone for Entrance<T> {
+    fn clone(&self) -> Self {
+        Self {
+            entries: self.entries.clone(),
+            dropped: Arc::clone(&self.dropped),
+        }
+    }
+}
+
+impl<T> Entrance<T> {
+    /// Gives an entry back where there is no room for it. A thread that has ended says why when it
+    /// is joined; its entries are not missed here.
+    fn offer(&self, entry: T) -> Option<T> {
+        match self.entries.try_send(entry) {
+            Err(TrySendError::Full(entry)) => Some(entry),
+            Ok(()) | Err(TrySendError::Disconnected(_)) => None,
+        }
+    }
+
+    fn count_dropped(&self) {
+        self.dropped.fetch_add(1, Ordering::AcqRel);
+    }
+
+    /// Whether there was room; if not, the entry is dropped and counted. It never waits for the
+    /// writer.
+    pub fn send_or_drop(&self, entry: T) -> bool {
+        let found_room = self.offer(entry).is_none();
+        if !found_room {
+            self.count_dropped();
+        }
+        found_room
+    }
+
+    /// Waits for room.
+    pub fn send_and_wait(&self, entry: T) {
+        // A thread that has ended says why when it is joined.
+        let _ = self.entries.send(entry);
+    }
+}
+
+/// The thread at the far end.
+pub(super) struct WriterThread {
+    file: PathBuf,
     thread: JoinHandle<Result<(), RecordingError>>,
+}
+
+impl WriterThread {
+    /// Whether it takes no more entries.
+    pub fn has_ended(&self) -> bool {
+        self.thread.is_finished()
+    }
+
+    /// Waits for its end; that comes once no entrance is left, or when an entry tells it.
+    pub fn join(self) -> Result<(), RecordingError> {
+        let panicked = RecordingError::Write {
+            file: self.file,
+            reason: "the recorder's thread panicked; this is a bug".to_owned(),
+        };
+        self.thread.join().unwrap_or(Err(panicked))
+    }
+}
+
+/// A queue with one entrance, some of whose entries must not be lost.
+pub(super) struct Queue<T> {
+    entrance: Entrance<T>,
+    thread: WriterThread,
     /// Entries that must not be lost and found no room; sent before anything newer.
     waiting: VecDeque<T>,
-    dropped: u64,
 }
 
 impl<T: Send + 'static> Queue<T> {
@@ -24,25 +107,22 @@ impl<T: Send + 'static> Queue<T> {
         capacity: usize,
         consume: impl FnOnce(Receiver<T>) -> Result<(), RecordingError> + Send + 'static,
     ) -> std::io::Result<Self> {
-        let (entries, receiver) = sync_channel(capacity);
-        let thread = thread::Builder::new()
-            .name("recorder".to_owned())
-            .spawn(move || consume(receiver))?;
+        let (entrance, thread) = start(file, capacity, Arc::default(), consume)?;
         Ok(Self {
-            file: file.to_owned(),
-            entries,
+            entrance,
             thread,
             waiting: VecDeque::new(),
-            dropped: 0,
         })
     }
 
     /// Sends an entry if there is room for it.
     pub fn send_or_drop(&mut self, entry: T) {
         self.send_waiting();
-        let full = !self.waiting.is_empty()
-            || matches!(self.entries.try_send(entry), Err(TrySendError::Full(_)));
-        self.dropped += u64::from(full);
+        if self.waiting.is_empty() {
+            self.entrance.send_or_drop(entry);
+        } else {
+            self.entrance.count_dropped();
+        }
     }
 
     /// Sends an entry as soon as there is room for it.
@@ -53,7 +133,7 @@ impl<T: Send + 'static> Queue<T> {
 
     fn send_waiting(&mut self) {
         while let Some(entry) = self.waiting.pop_front() {
-            if let Err(TrySendError::Full(entry)) = self.entries.try_send(entry) {
+            if let Some(entry) = self.entrance.offer(entry) {
                 self.waiting.push_front(entry);
                 return;
             }
@@ -62,23 +142,19 @@ impl<T: Send + 'static> Queue<T> {
 
     /// Whether the thread takes no more entries.
     pub fn has_ended(&self) -> bool {
-        self.thread.is_finished()
+        self.thread.has_ended()
     }
 
     /// Sends what waits, and waits for the thread.
     pub fn finish(self) -> Finished {
         for entry in self.waiting {
-            // A thread that has ended says why below.
-            let _ = self.entries.send(entry);
+            self.entrance.send_and_wait(entry);
         }
-        drop(self.entries);
-        let panicked = RecordingError::Write {
-            file: self.file,
-            reason: "the recorder's thread panicked; this is a bug".to_owned(),
-        };
+        let dropped = Arc::clone(&self.entrance.dropped);
+        drop(self.entrance);
         Finished {
-            result: self.thread.join().unwrap_or(Err(panicked)),
-            dropped: self.dropped,
+            result: self.thread.join(),
+            dropped: dropped.load(Ordering::Acquire),
         }
     }
 }
@@ -110,7 +186,6 @@ mod tests {
         queue.send_in_turn("done");
         queue.send_in_turn("guard");
         queue.send_or_drop("7");
-        assert_eq!(queue.dropped, 3, "3, 4 and 7 found no room");
         open.send(()).unwrap();
         let finished = queue.finish();
         assert_eq!(finished.dropped, 3);

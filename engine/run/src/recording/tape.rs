@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
+use super::queue::{self, Entrance, WriterThread};
 use super::steps::{BeliefStep, Choice, Limits, Tick};
 use super::{Finished, RecordingError, RecordingWriter};
 use crate::clock::{SECOND_NS, now_ns};
@@ -35,27 +35,26 @@ enum Entry {
 ///
 /// [`direct`](Self::direct) writes within each call, for a virtual clock; [`queued`](Self::queued)
 /// leaves it to a thread behind a bounded queue: an entry that finds no room is dropped and
-/// counted, and no call ever waits.
+/// counted, and no call ever waits for the disk.
 pub struct RunRecorder {
     file: PathBuf,
     tape: Tape,
     thread: Option<WriterThread>,
 }
 
-/// Gives back the first error of the writing.
-type WriterThread = JoinHandle<Result<(), RecordingError>>;
-
 /// The front end for one loop.
 #[derive(Clone)]
 pub(crate) struct Tape {
     way: Way,
-    shared: Arc<Shared>,
+    dropped: Arc<AtomicU64>,
+    /// Whether it is recorded why the guard stopped the arm.
+    guarded: Arc<AtomicBool>,
 }
 
 #[derive(Clone)]
 enum Way {
     Direct(Arc<Mutex<Direct>>),
-    Queued(SyncSender<Entry>),
+    Queued(Entrance<Entry>),
 }
 
 struct Direct {
@@ -63,22 +62,14 @@ struct Direct {
     result: Result<(), RecordingError>,
 }
 
-/// What all front ends and the writer know.
-#[derive(Default)]
-struct Shared {
-    dropped: AtomicU64,
-    /// Whether it is recorded why the guard stopped the arm.
-    guarded: AtomicBool,
-}
-
 /// A writer and what it needs to know of the run.
 struct Writer {
     recording: RecordingWriter,
     range: (f64, f64),
-    shared: Arc<Shared>,
+    dropped: Arc<AtomicU64>,
     /// Drops that the file knows of.
     noted: u64,
-    /// Time of the newest entry.
+    /// Time of the newest tick.
     time_ns: u64,
 }
 
@@ -89,8 +80,8 @@ impl RunRecorder {
     /// Where the disk is full or gone.
     pub fn direct(recording: RecordingWriter, limits: &Limits) -> Result<Self, RecordingError> {
         let file = recording.file().to_owned();
-        let shared = Arc::new(Shared::default());
-        let writer = Writer::begin(recording, limits, SECOND_NS, &shared)?;
+        let dropped = Arc::default();
+        let writer = Writer::begin(recording, limits, SECOND_NS, &dropped)?;
         let direct = Direct {
             writer: Some(writer),
             result: Ok(()),
@@ -99,7 +90,8 @@ impl RunRecorder {
             file,
             tape: Tape {
                 way: Way::Direct(Arc::new(Mutex::new(direct))),
-                shared,
+                dropped,
+                guarded: Arc::default(),
             },
             thread: None,
         })
@@ -112,15 +104,17 @@ impl RunRecorder {
     /// Where the disk is full or gone, or the operating system gives no thread.
     pub fn queued(recording: RecordingWriter, limits: &Limits) -> Result<Self, RecordingError> {
         let file = recording.file().to_owned();
-        let shared = Arc::new(Shared::default());
-        let writer = Writer::begin(recording, limits, now_ns(), &shared)?;
-        let (entries, thread) = start(CAPACITY, move |entries| writer.write_all(&entries))
+        let dropped = Arc::default();
+        let writer = Writer::begin(recording, limits, now_ns(), &dropped)?;
+        let write = move |entries| writer.write_all(&entries);
+        let (entries, thread) = queue::start(&file, CAPACITY, Arc::clone(&dropped), write)
             .map_err(|error| RecordingError::write(&file, &error))?;
         Ok(Self {
             file,
             tape: Tape {
                 way: Way::Queued(entries),
-                shared,
+                dropped,
+                guarded: Arc::default(),
             },
             thread: Some(thread),
         })
@@ -137,52 +131,32 @@ impl RunRecorder {
 
     /// Writes what still waits and the run's last words, and closes the file. This may take as long
     /// as the disk does.
-    pub(crate) fn finish(
-        self,
-        end_ns: u64,
-        guard: Option<String>,
-        lateness: LatenessReport,
-        report: &RunReport,
-    ) -> Finished {
-        let guard = guard.filter(|_| !self.tape.shared.guarded.load(Ordering::Acquire));
-        let mut last_words: Vec<Entry> = guard
-            .map(|reason| Entry::Guard(end_ns, reason))
-            .into_iter()
-            .collect();
-        last_words.push(Entry::Timing(end_ns, lateness));
-        last_words.push(Entry::Report(Box::new(RunReport {
-            recording_dropped: self.tape.shared.dropped.load(Ordering::Acquire),
-            ..report.clone()
-        })));
-        last_words.push(Entry::End);
-        for entry in last_words {
+    pub(crate) fn finish(self, end_ns: u64, report: &RunReport) -> Finished {
+        let dropped = || self.tape.dropped.load(Ordering::Acquire);
+        let is_told = self.tape.guarded.load(Ordering::Acquire);
+        let guard = report.reason.clone().filter(|_| !is_told);
+        let guard = guard.map(|reason| Entry::Guard(end_ns, reason));
+        let last_words = [
+            Entry::Timing(end_ns, report.lateness),
+            Entry::Report(Box::new(RunReport {
+                recording_dropped: dropped(),
+                ..report.clone()
+            })),
+            Entry::End,
+        ];
+        for entry in guard.into_iter().chain(last_words) {
             self.tape.send_and_wait(entry);
         }
-        let panicked = RecordingError::Write {
-            file: self.file,
-            reason: "the recorder's thread panicked; this is a bug".to_owned(),
-        };
         let result = match (&self.tape.way, self.thread) {
-            (Way::Direct(direct), _) => locked(direct).result.clone(),
-            (Way::Queued(_), Some(thread)) => thread.join().unwrap_or(Err(panicked)),
+            (_, Some(thread)) => thread.join(),
+            (Way::Direct(direct), None) => locked(direct).result.clone(),
             (Way::Queued(_), None) => Ok(()),
         };
         Finished {
             result,
-            dropped: self.tape.shared.dropped.load(Ordering::Acquire),
+            dropped: self.tape.dropped.load(Ordering::Acquire),
         }
     }
-}
-
-fn start(
-    capacity: usize,
-    consume: impl FnOnce(Receiver<Entry>) -> Result<(), RecordingError> + Send + 'static,
-) -> std::io::Result<(SyncSender<Entry>, WriterThread)> {
-    let (entries, receiver) = sync_channel(capacity);
-    let thread = thread::Builder::new()
-        .name("recorder".to_owned())
-        .spawn(move || consume(receiver))?;
-    Ok((entries, thread))
 }
 
 fn locked(direct: &Mutex<Direct>) -> std::sync::MutexGuard<'_, Direct> {
@@ -209,7 +183,7 @@ impl Tape {
         if let Some(trip) = period.trip
             && self.send(Entry::Guard(period.time_ns, trip.to_string()))
         {
-            self.shared.guarded.store(true, Ordering::Release);
+            self.guarded.store(true, Ordering::Release);
         }
     }
 
@@ -230,21 +204,14 @@ impl Tape {
                 locked(direct).write(entry);
                 true
             }
-            Way::Queued(entries) => {
-                let full = matches!(entries.try_send(entry), Err(TrySendError::Full(_)));
-                self.shared
-                    .dropped
-                    .fetch_add(u64::from(full), Ordering::AcqRel);
-                !full
-            }
+            Way::Queued(entries) => entries.send_or_drop(entry),
         }
     }
 
     fn send_and_wait(&self, entry: Entry) {
         match &self.way {
             Way::Direct(direct) => locked(direct).write(entry),
-            // A thread that has ended says why when it is joined.
-            Way::Queued(entries) => drop(entries.send(entry)),
+            Way::Queued(entries) => entries.send_and_wait(entry),
         }
     }
 }
@@ -271,13 +238,13 @@ impl Writer {
         mut recording: RecordingWriter,
         limits: &Limits,
         time_ns: u64,
-        shared: &Arc<Shared>,
+        dropped: &Arc<AtomicU64>,
     ) -> Result<Self, RecordingError> {
         recording.limits(time_ns, limits)?;
         Ok(Self {
             recording,
             range: (limits.lower, limits.upper),
-            shared: Arc::clone(shared),
+            dropped: Arc::clone(dropped),
             noted: 0,
             time_ns,
         })
@@ -312,7 +279,7 @@ impl Writer {
 
     /// The file itself says how much it lacks, as soon as something can be written again.
     fn note_drops(&mut self) -> Result<(), RecordingError> {
-        let dropped = self.shared.dropped.load(Ordering::Acquire);
+        let dropped = self.dropped.load(Ordering::Acquire);
         if dropped == self.noted {
             return Ok(());
         }

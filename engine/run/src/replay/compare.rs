@@ -66,6 +66,15 @@ impl<'a> Comparison<'a> {
         ));
     }
 
+    /// A loop was given number `number` of that topic, and today there is none. Why is told already
+    /// where an earlier loop ended at a gap or came to something else; else it is a gap.
+    pub fn lacks(&mut self, time_ns: u64, topic: &str, number: u64) {
+        let is_told = !self.missing.is_empty() || self.first.iter().any(Option::is_some);
+        if !is_told {
+            self.gap(time_ns, topic, number);
+        }
+    }
+
     /// A tick's sample.
     pub fn sample(&mut self, tick: &Tick, today: &Sample) {
         let Some((frame, observation)) = &tick.felt else {

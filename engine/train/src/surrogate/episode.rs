@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use pubs_core::belief::{BeliefError, Filter, Model, Summary};
 use pubs_core::input::Seen;
-use pubs_core::repetition::Repetition;
+use pubs_core::repetition::{Place, Repetition};
 use pubs_core::reward::violates_safety;
 use pubs_core::shield::{self, Shield};
 use pubs_core::{Action, Motion, Task};
@@ -179,8 +179,9 @@ impl Episode {
             });
         }
         self.unsteady.change_to(&task, index);
-        self.begin_repetition(index);
-        let before = self.simulator.state();
+        if let Some(place) = self.place() {
+            self.repetition.begin(index, place);
+        }
         for _ in 0..observations {
             let part = displacement / f64::from(observations);
             match self.follow(index, action, part, rng) {
@@ -195,7 +196,9 @@ impl Episode {
                 Err(error) => return Err(error),
             }
         }
-        self.end_repetition(before);
+        if let Some(place) = self.place() {
+            self.repetition.end(&self.task.joint, place);
+        }
         Ok(Step {
             reward: reward.time,
             stopped: None,
@@ -226,18 +229,12 @@ impl Episode {
         Ok(())
     }
 
-    fn begin_repetition(&mut self, index: usize) {
-        if let Some(filter) = &self.filter {
-            self.repetition.begin(index, filter.summary());
-        }
-    }
-
-    fn end_repetition(&mut self, before: f64) {
-        if let Some(filter) = &self.filter {
-            let displacement = self.simulator.state() - before;
-            self.repetition
-                .end(&self.task.joint, displacement, filter.summary());
-        }
+    /// Handle and belief, where a filter follows.
+    fn place(&self) -> Option<Place> {
+        self.filter.as_ref().map(|filter| Place {
+            handle: self.simulator.state(),
+            summary: filter.summary(),
+        })
     }
 
     /// Draws only where somebody reads it, so that the other streams stay as they are.

@@ -1,6 +1,7 @@
 #![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::mpsc::channel;
 
 use serde_json::{Value, json};
@@ -20,28 +21,31 @@ fn a_full_queue_drops_and_counts_and_never_waits() {
     let (open, gate) = channel();
     let (log, arrived) = channel();
     // A disk that takes nothing until the gate is opened.
-    let (entries, thread) = start(3, move |entries| {
-        let () = gate.recv().unwrap();
-        for entry in entries {
-            match entry {
-                Entry::Guard(number, _) => log.send(number).unwrap(),
-                _ => return Ok(()),
+    let dropped = Arc::default();
+    let (entries, thread) =
+        queue::start(Path::new("slow"), 3, Arc::clone(&dropped), move |entries| {
+            let () = gate.recv().unwrap();
+            for entry in entries {
+                match entry {
+                    Entry::Guard(number, _) => log.send(number).unwrap(),
+                    _ => return Ok(()),
+                }
             }
-        }
-        Ok(())
-    })
-    .unwrap();
+            Ok(())
+        })
+        .unwrap();
     let tape = Tape {
         way: Way::Queued(entries),
-        shared: Arc::default(),
+        dropped,
+        guarded: Arc::default(),
     };
     let found_room: Vec<bool> = (0..5).map(|number| tape.send(guard(number))).collect();
     assert_eq!(found_room, [true, true, true, false, false]);
-    assert_eq!(tape.clone().shared.dropped.load(Ordering::Acquire), 2);
+    assert_eq!(tape.clone().dropped.load(Ordering::Acquire), 2);
     open.send(()).unwrap();
     tape.send_and_wait(guard(5));
     tape.send_and_wait(Entry::End);
-    assert_eq!(thread.join().unwrap(), Ok(()));
+    assert_eq!(thread.join(), Ok(()));
     assert!(tape.send(guard(6)), "after the end nothing is missed");
     let arrived: Vec<u64> = arrived.iter().collect();
     assert_eq!(arrived, [0, 1, 2, 5]);
@@ -150,7 +154,7 @@ fn a_run_is_read_back_to_the_bit_and_keeps_its_schemas() {
         tape.belief(belief.clone());
         tape.choice(choice.clone());
     }
-    tape.shared.dropped.store(4, Ordering::Release);
+    tape.dropped.store(4, Ordering::Release);
     tape.send(Entry::Guard(1_050_000_000, "interrupted".to_owned()));
     tape.send(Entry::Timing(1_050_000_000, LatenessReport::default()));
     tape.send(Entry::End);

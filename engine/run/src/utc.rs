@@ -1,4 +1,4 @@
-//! Now, as text.
+//! The time of day, as text.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -39,6 +39,7 @@ mod tests {
             (1_709_251_200, "2024-03-01T00:00:00Z"),
             (1_795_521_296, "2026-11-24T11:54:56Z"),
             (4_102_444_799, "2099-12-31T23:59:59Z"),
+            (4_107_542_400, "2100-03-01T00:00:00Z"),
         ];
         for (seconds, expected) in cases {
             assert_eq!(rfc_3339(seconds), expected, "{seconds} s");

@@ -6,7 +6,6 @@ use clap::Args;
 use pubs_core::Task;
 use pubs_core::object::Overrides;
 use pubs_host::DriverInstance;
-use pubs_plugin::JointType;
 use pubs_policy::{PolicyFile, Runtime};
 use pubs_run::recording::{
     Header, Limits, PolicyNote, RUN_FORMAT_VERSION, RecordingError, RecordingWriter, RunHeader,
@@ -100,7 +99,7 @@ fn create(
             return RecordingWriter::create_run(file, preface).map_err(refused);
         }
         Some(folder) => folder.clone(),
-        None => sibling_folder(setup.object, "recordings"),
+        None => folder_of(setup.object),
     };
     std::fs::create_dir_all(&folder).map_err(|error| {
         Failure::invalid(format!(
@@ -112,15 +111,24 @@ fn create(
     let stem = format!("{}-{time}", setup.ready.task.name);
     let mut part = 1;
     loop {
-        let name = match part {
-            1 => format!("{stem}.mcap"),
-            part => format!("{stem}-{part}.mcap"),
-        };
-        match RecordingWriter::create_run(&folder.join(name), preface) {
+        match RecordingWriter::create_run(&part_of(&folder, &stem, part), preface) {
             // Another run of the same second.
             Err(RecordingError::Exists { .. }) => part += 1,
             created => return created.map_err(refused),
         }
+    }
+}
+
+/// `recordings` beside the folder of an object file.
+pub fn folder_of(object: &Path) -> PathBuf {
+    sibling_folder(object, "recordings")
+}
+
+/// File of the first recording of a name, and of those that come after it.
+pub fn part_of(folder: &Path, stem: &str, part: u32) -> PathBuf {
+    match part {
+        1 => folder.join(format!("{stem}.mcap")),
+        part => folder.join(format!("{stem}-{part}.mcap")),
     }
 }
 
@@ -134,10 +142,7 @@ pub fn header(format: u32, task: &Task, arm: &DriverInstance, seed: u64) -> Head
         format,
         engine: env!("CARGO_PKG_VERSION").to_owned(),
         object: task.name.clone(),
-        joint: match task.joint.unit() {
-            "rad" => JointType::Revolute,
-            _ => JointType::Prismatic,
-        },
+        joint: task.joint.joint_type(),
         sensor: arm.sensor().to_owned(),
         actions: task
             .actions

@@ -1,7 +1,5 @@
 //! What the recording says of itself against what the object file says.
 
-use pubs_core::JointKind;
-use pubs_plugin::JointType;
 use pubs_run::recording::joint_name;
 
 use super::{Checker, Severity};
@@ -16,11 +14,7 @@ pub(super) fn check(checker: &mut Checker<'_>, any_sensor: bool) {
 
 fn check_joint(checker: &mut Checker<'_>) {
     let recorded = checker.recording.header.joint;
-    let expected = match checker.task.joint.kind {
-        JointKind::Revolute { .. } => JointType::Revolute,
-        JointKind::Prismatic { .. } => JointType::Prismatic,
-        JointKind::Abstract { .. } => JointType::Abstract,
-    };
+    let expected = checker.task.joint.joint_type();
     if recorded != expected {
         checker.add(
             Severity::Fault,

@@ -9,6 +9,7 @@ pub use path::{Direction, Path};
 pub use pose::Pose;
 
 use nalgebra::Vector3;
+use pubs_plugin::JointType;
 
 /// What kind of joint, with what only that kind has.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,6 +95,15 @@ impl Joint {
         match self.kind {
             JointKind::Revolute { radius_m, .. } => 1.0 / radius_m,
             JointKind::Prismatic { .. } | JointKind::Abstract { .. } => 1.0,
+        }
+    }
+
+    /// Its kind, as plugins and recordings name it.
+    pub fn joint_type(&self) -> JointType {
+        match self.kind {
+            JointKind::Revolute { .. } => JointType::Revolute,
+            JointKind::Prismatic { .. } => JointType::Prismatic,
+            JointKind::Abstract { .. } => JointType::Abstract,
         }
     }
 

@@ -165,21 +165,16 @@ impl Task {
     fn joint_setup(&self) -> setup::JointSetup {
         let joint = &self.joint;
         let geometry = joint.geometry();
-        let (r#type, radius_m, hinge_direction) = match &joint.kind {
+        let (radius_m, hinge_direction) = match &joint.kind {
             JointKind::Revolute {
                 radius_m,
                 hinge_direction,
                 ..
-            } => (
-                setup::JointType::Revolute,
-                Some(*radius_m),
-                Some((*hinge_direction).into()),
-            ),
-            JointKind::Prismatic { .. } => (setup::JointType::Prismatic, None, None),
-            JointKind::Abstract { .. } => (setup::JointType::Abstract, None, None),
+            } => (Some(*radius_m), Some((*hinge_direction).into())),
+            JointKind::Prismatic { .. } | JointKind::Abstract { .. } => (None, None),
         };
         setup::JointSetup {
-            r#type,
+            r#type: joint.joint_type(),
             lower: joint.lower,
             upper: joint.upper,
             integer: joint.is_integer(),

@@ -1,5 +1,5 @@
-//! What the recording of a run says of it beyond the header of every recording: all that a replay
-//! needs beside object file and policies.
+//! What the recording of a run says of it beyond the header of every recording: what a replay needs
+//! beside object file and policies, and what its reader wants to know.
 
 use std::collections::BTreeMap;
 

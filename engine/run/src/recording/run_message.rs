@@ -113,6 +113,9 @@ impl BeliefJson {
         for (reading, value) in message.readings.iter_mut().zip(&self.readings) {
             *reading = *value as f32;
         }
+        if self.histogram.mass.len() != BINS {
+            return Err(format!("{} bins", self.histogram.mass.len()));
+        }
         let mut histogram = [0.0; BINS];
         for (bin, value) in histogram.iter_mut().zip(&self.histogram.mass) {
             *bin = *value as f32;

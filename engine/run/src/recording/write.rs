@@ -27,8 +27,8 @@ pub(super) const TOML: &str = "application/toml";
 const JSON: &str = "application/json";
 
 /// Writes a recording. A chunk is closed and handed to the operating system with every second of
-/// frames (of a run: every half), and after each message that is not a frame's; a program that is
-/// killed loses no more than that.
+/// frames (of a run: every half), and after what comes seldom: a demonstration's end, the guard's
+/// reason, the timing. A program that is killed loses no more than that.
 pub struct RecordingWriter {
     file: PathBuf,
     mcap: mcap::Writer<BufWriter<File>>,

@@ -51,7 +51,7 @@ pub fn record(
     let folder = arguments
         .recordings
         .clone()
-        .unwrap_or_else(|| folder_of(&arguments.object));
+        .unwrap_or_else(|| recorded::folder_of(&arguments.object));
     let kind = if arguments.check { CHECK } else { CALIBRATION };
     let earlier = Earlier::find(arguments, task, &folder, kind)?;
     if earlier.is_whole(task, arguments.demonstrations()) {
@@ -145,7 +145,8 @@ impl Earlier {
         folder: &Path,
         kind: &str,
     ) -> Result<Self, Failure> {
-        let name = |part: u32| part_of(folder, &task.name, kind, part);
+        let stem = stem(&task.name, kind);
+        let name = |part: u32| recorded::part_of(folder, &stem, part);
         let parts = (1..).take_while(|&part| name(part).exists()).count() as u32;
         let next = name(parts + 1);
         if !arguments.resume {
@@ -192,26 +193,18 @@ impl Earlier {
     }
 }
 
-/// File of the first recording, and of those that went on with it.
-fn part_of(folder: &Path, object: &str, kind: &str, part: u32) -> PathBuf {
-    match part {
-        1 => folder.join(format!("{object}-{kind}.mcap")),
-        part => folder.join(format!("{object}-{kind}-{part}.mcap")),
-    }
+fn stem(object: &str, kind: &str) -> String {
+    format!("{object}-{kind}")
 }
 
 /// The recordings that an object was calibrated with, where they still lie in their usual place.
 pub fn found(object: &Path, name: &str) -> Vec<PathBuf> {
-    let folder = folder_of(object);
+    let folder = recorded::folder_of(object);
+    let stem = stem(name, CALIBRATION);
     (1..)
-        .map(|part| part_of(&folder, name, CALIBRATION, part))
+        .map(|part| recorded::part_of(&folder, &stem, part))
         .take_while(|file| file.exists())
         .collect()
-}
-
-/// `recordings` beside the folder of an object file.
-fn folder_of(object: &Path) -> PathBuf {
-    crate::policies::sibling_folder(object, "recordings")
 }
 
 /// The recorder, shared with the controller's thread until the arm rests.

@@ -10,6 +10,7 @@ mod exit;
 mod failure;
 mod grid;
 mod interrupt;
+mod live;
 mod object;
 mod options;
 mod policies;

@@ -8,8 +8,8 @@ use pubs_core::object::Overrides;
 use pubs_host::DriverInstance;
 use pubs_policy::{PolicyFile, Runtime};
 use pubs_run::recording::{
-    Header, Limits, PolicyNote, RUN_FORMAT_VERSION, RecordingError, RecordingWriter, RunHeader,
-    RunPreface, RunRecorder,
+    Header, Limits, Listener, PolicyNote, RUN_FORMAT_VERSION, RecordingError, RecordingWriter,
+    RunHeader, RunPreface, RunRecorder,
 };
 use pubs_run::{RunOptions, RunReport, utc};
 use serde_json::Value;
@@ -41,7 +41,8 @@ pub struct Setup<'a> {
     pub arm: &'a DriverInstance,
 }
 
-/// Opens the recording, before anything moves.
+/// Opens the recording, before anything moves; `listeners` hear what is recorded, even where
+/// nothing is kept.
 ///
 /// # Errors
 /// Where the file exists already or cannot be created.
@@ -49,23 +50,19 @@ pub fn recorder(
     options: &RecordingOptions,
     setup: &Setup<'_>,
     run: &RunOptions,
+    listeners: Vec<Box<dyn Listener>>,
 ) -> Result<Option<RunRecorder>, Failure> {
-    if options.no_record {
+    if options.no_record && listeners.is_empty() {
         return Ok(None);
     }
-    let started = utc::now();
     let header = header(RUN_FORMAT_VERSION, &setup.ready.task, setup.arm, run.seed);
-    let about = about(setup, run, &started);
-    let resolved = setup.ready.loaded.resolved_text();
-    let resolved = resolved.map_err(Failure::invalid)?;
-    let preface = RunPreface {
-        header: &header,
-        run: &about,
-        object_toml: setup.ready.loaded.text(),
-        resolved_toml: &resolved,
-        policies: vec![setup.policy.bytes()],
+    let mut writer = match options.no_record {
+        true => RecordingWriter::unkept(&header),
+        false => kept(options, setup, run, &header)?,
     };
-    let writer = create(options, setup, &started, &preface)?;
+    for listener in listeners {
+        writer.listen(listener);
+    }
     let task = &setup.ready.task;
     let limits = Limits {
         unit: task.joint.unit(),
@@ -80,6 +77,27 @@ pub fn recorder(
         RunRecorder::queued(writer, &limits)
     };
     recorder.map(Some).map_err(|error| Failure::fault(&error))
+}
+
+/// A recording in a file, with all that it says of the run.
+fn kept(
+    options: &RecordingOptions,
+    setup: &Setup<'_>,
+    run: &RunOptions,
+    header: &Header,
+) -> Result<RecordingWriter, Failure> {
+    let started = utc::now();
+    let about = about(setup, run, &started);
+    let resolved = setup.ready.loaded.resolved_text();
+    let resolved = resolved.map_err(Failure::invalid)?;
+    let preface = RunPreface {
+        header,
+        run: &about,
+        object_toml: setup.ready.loaded.text(),
+        resolved_toml: &resolved,
+        policies: vec![setup.policy.bytes()],
+    };
+    create(options, setup, &started, &preface)
 }
 
 /// Creates the file: the one that was named, or the first free name in the folder.

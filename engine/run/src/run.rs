@@ -175,10 +175,13 @@ pub fn run_recorded(
 
 /// Writes the last words of a recording; the report with what became of it.
 fn close(recorder: RunRecorder, end_ns: u64, report: RunReport) -> RunReport {
-    let file = recorder.file().display().to_string();
+    let file = recorder.file().map(|file| file.display().to_string());
     let finished = recorder.finish(end_ns, &report);
+    if file.is_none() {
+        return report;
+    }
     RunReport {
-        recording: Some(file),
+        recording: file,
         recording_dropped: finished.dropped,
         recording_fault: finished.result.err().map(|error| error.to_string()),
         ..report

@@ -12,6 +12,7 @@ use pubs_run::{Actor, GoalPlan, GoalReport, Outcome, RunError, RunOptions, RunRe
 
 use crate::driver::{self, DriverOptions};
 use crate::failure::Failure;
+use crate::live::{self, LiveOptions};
 use crate::object::Ready;
 use crate::options::{FrequencyOptions, ObjectOptions, RuntimeOptions};
 use crate::policies::{self, MAX_STEPS};
@@ -22,6 +23,7 @@ use crate::{Ended, built_in, exit, interrupt, object, show};
 #[derive(Args)]
 #[command(after_help = "Examples: pubs-engine run objects/door2.toml --goal 0.5
           pubs-engine run objects/door2.toml --goal 40deg --goal closed --lockstep --seed 7
+          pubs-engine run objects/door2.toml --goal open --dashboard --wait-for-viewer
 A goal is a fraction of the range (0.5), open, closed, middle, 40deg, 12cm, or @50 in the joint's own unit.")]
 pub struct Arguments {
     #[command(flatten)]
@@ -60,6 +62,8 @@ pub struct Arguments {
     runtime: RuntimeOptions,
     #[command(flatten)]
     recording: RecordingOptions,
+    #[command(flatten)]
+    live: LiveOptions,
     /// One JSON object on stdout
     #[arg(long)]
     json: bool,
@@ -92,6 +96,7 @@ pub fn run(arguments: &Arguments) -> Ended {
     let file = policy(arguments, &ready, &goals, &runtime, &interrupt)?;
     let policy = Actor::open(&file, &runtime, ready.model.as_ref())
         .map_err(|error| Failure::incompatible(error.to_string()))?;
+    let views = live::start(&arguments.live, &ready, &goals, &interrupt)?;
     let arm = driver::open(&ready.task, &registry, &arguments.driver, arguments.seed)?;
     driver::check_sensor(&ready.task, &arm, arguments.driver.accept_sensor)?;
     let setup = Setup {
@@ -115,7 +120,7 @@ pub fn run(arguments: &Arguments) -> Ended {
         policy: file.path().display().to_string(),
         interrupt,
     };
-    let recorder = recorded::recorder(&arguments.recording, &setup, &options)?;
+    let recorder = recorded::recorder(&arguments.recording, &setup, &options, views.listeners())?;
     let bar = status_line();
     let mut watch = |status: &Status| bar.set_message(status_text(&ready.task, &goals, status));
     let report = pubs_run::run_recorded(
@@ -128,6 +133,7 @@ pub fn run(arguments: &Arguments) -> Ended {
         &mut watch,
     );
     bar.finish_and_clear();
+    views.finish();
     let report = report.map_err(|error| Failure::invalid(error.to_string()))?;
     for note in &report.notes {
         show::say(&format!("note: {note}"));

@@ -29,11 +29,13 @@
 //! adds the metadata record `pubs-engine run` ([`RunHeader`]), `object.resolved.toml` with defaults
 //! and overrides in it, its policies, and at the end `report.json`.
 //! [`RecordingWriter`] writes, [`Recorder`] does so beside a control loop and [`RunRecorder`]
-//! beside the three of a run; [`read`] and [`read_run`] read whatever is left of a file.
+//! beside the three of a run; a [`Listener`] is given every message as it is written. [`read`] and
+//! [`read_run`] read whatever is left of a file.
 
 mod error;
 mod header;
 mod join;
+mod listen;
 mod message;
 mod queue;
 mod read;
@@ -53,6 +55,7 @@ mod write;
 
 pub use error::{BadMessage, RecordingError};
 pub use header::{HeaderFault, joint_name};
+pub use listen::{Listener, Message, TopicNote, run_topics};
 pub use message::{status_name, status_named};
 pub use read::read;
 pub use recorder::{Finished, Recorder};

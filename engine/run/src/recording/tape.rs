@@ -1,6 +1,6 @@
 //! Recording a run from three loops at once, none of which may wait.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -28,6 +28,8 @@ enum Entry {
     Guard(u64, String),
     Timing(u64, LatenessReport),
     Report(Box<RunReport>),
+    /// Nothing has come for a while.
+    Idle,
     End,
 }
 
@@ -37,7 +39,8 @@ enum Entry {
 /// leaves it to a thread behind a bounded queue: an entry that finds no room is dropped and
 /// counted, and no call ever waits for the disk.
 pub struct RunRecorder {
-    file: PathBuf,
+    /// `None` where those who listen are all there is.
+    file: Option<PathBuf>,
     tape: Tape,
     thread: Option<WriterThread>,
 }
@@ -58,6 +61,7 @@ enum Way {
 }
 
 struct Direct {
+    /// `None` once nobody wants more.
     writer: Option<Writer>,
     result: Result<(), RecordingError>,
 }
@@ -71,6 +75,8 @@ struct Writer {
     noted: u64,
     /// Time of the newest tick.
     time_ns: u64,
+    /// Why the file ends before the run.
+    fault: Option<RecordingError>,
 }
 
 impl RunRecorder {
@@ -79,7 +85,7 @@ impl RunRecorder {
     /// # Errors
     /// Where the disk is full or gone.
     pub fn direct(recording: RecordingWriter, limits: &Limits) -> Result<Self, RecordingError> {
-        let file = recording.file().to_owned();
+        let file = kept_file(&recording);
         let dropped = Arc::default();
         let writer = Writer::begin(recording, limits, SECOND_NS, &dropped)?;
         let direct = Direct {
@@ -103,12 +109,12 @@ impl RunRecorder {
     /// # Errors
     /// Where the disk is full or gone, or the operating system gives no thread.
     pub fn queued(recording: RecordingWriter, limits: &Limits) -> Result<Self, RecordingError> {
-        let file = recording.file().to_owned();
+        let (name, file) = (recording.file().to_owned(), kept_file(&recording));
         let dropped = Arc::default();
         let writer = Writer::begin(recording, limits, now_ns(), &dropped)?;
         let write = move |entries| writer.write_all(&entries);
-        let (entries, thread) = queue::start(&file, CAPACITY, Arc::clone(&dropped), write)
-            .map_err(|error| RecordingError::write(&file, &error))?;
+        let (entries, thread) = queue::start(&name, CAPACITY, Arc::clone(&dropped), write)
+            .map_err(|error| RecordingError::write(&name, &error))?;
         Ok(Self {
             file,
             tape: Tape {
@@ -120,9 +126,9 @@ impl RunRecorder {
         })
     }
 
-    /// The file.
-    pub fn file(&self) -> &std::path::Path {
-        &self.file
+    /// The file; `None` where nothing is kept.
+    pub fn file(&self) -> Option<&Path> {
+        self.file.as_deref()
     }
 
     pub(crate) fn tape(&self) -> Tape {
@@ -157,6 +163,10 @@ impl RunRecorder {
             dropped: self.tape.dropped.load(Ordering::Acquire),
         }
     }
+}
+
+fn kept_file(recording: &RecordingWriter) -> Option<PathBuf> {
+    recording.is_kept().then(|| recording.file().to_owned())
 }
 
 fn locked(direct: &Mutex<Direct>) -> std::sync::MutexGuard<'_, Direct> {
@@ -247,6 +257,7 @@ impl Writer {
             dropped: Arc::clone(dropped),
             noted: 0,
             time_ns,
+            fault: None,
         })
     }
 
@@ -255,12 +266,25 @@ impl Writer {
             match entries.recv_timeout(IDLE) {
                 Ok(Entry::End) | Err(RecvTimeoutError::Disconnected) => return self.finish(),
                 Ok(entry) => self.write(entry)?,
-                Err(RecvTimeoutError::Timeout) => self.recording.flush()?,
+                Err(RecvTimeoutError::Timeout) => self.write(Entry::Idle)?,
             }
         }
     }
 
+    /// Writes an entry. Where the file fails, the rest is for those who listen; an error where
+    /// nobody does.
     fn write(&mut self, entry: Entry) -> Result<(), RecordingError> {
+        let Err(error) = self.put(entry) else {
+            return Ok(());
+        };
+        if !self.recording.forsake_file() {
+            return Err(error);
+        }
+        self.fault.get_or_insert(error);
+        Ok(())
+    }
+
+    fn put(&mut self, entry: Entry) -> Result<(), RecordingError> {
         let recording = &mut self.recording;
         match entry {
             Entry::Tick(tick) => {
@@ -271,7 +295,11 @@ impl Writer {
             Entry::Choice(choice) => recording.choice(&choice)?,
             Entry::Guard(time_ns, reason) => recording.guard(time_ns, &reason)?,
             Entry::Timing(time_ns, lateness) => recording.timing(time_ns, &lateness)?,
-            Entry::Report(report) => recording.report(&report)?,
+            Entry::Report(report) => {
+                recording.tell_end(&report);
+                recording.report(&report)?;
+            }
+            Entry::Idle => recording.flush()?,
             Entry::End => {}
         }
         self.note_drops()
@@ -288,8 +316,11 @@ impl Writer {
     }
 
     fn finish(mut self) -> Result<(), RecordingError> {
-        self.note_drops()?;
-        self.recording.finish()
+        self.write(Entry::End)?;
+        match self.fault {
+            Some(fault) => Err(fault),
+            None => self.recording.finish(),
+        }
     }
 }
 

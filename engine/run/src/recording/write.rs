@@ -10,6 +10,7 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, WriteOptions};
 use serde::Serialize;
 
+use super::listen::{Listener, Message};
 use super::message::{
     ActionMessage, DemonstrationMessage, GuardMessage, ObservationMessage, PoseMessage,
     TimingMessage, TruthMessage, WrenchMessage,
@@ -17,7 +18,7 @@ use super::message::{
 use super::topic::Topic;
 use super::{Done, Frame, Header, METADATA, Observation, RecordingError};
 use crate::clock::SECOND_NS;
-use crate::report::LatenessReport;
+use crate::report::{LatenessReport, RunReport};
 
 /// Name under which the object file's text is attached.
 pub(super) const OBJECT_ATTACHMENT: &str = "object.toml";
@@ -29,16 +30,26 @@ const JSON: &str = "application/json";
 /// Writes a recording. A chunk is closed and handed to the operating system with every second of
 /// frames (of a run: every half), and after what comes seldom: a demonstration's end, the guard's
 /// reason, the timing. A program that is killed loses no more than that.
+///
+/// Whoever listens ([`listen`](Self::listen)) is given the very bytes, whether or not a file keeps
+/// them.
 pub struct RecordingWriter {
+    /// What the file is called; errors name it.
     file: PathBuf,
-    mcap: mcap::Writer<BufWriter<File>>,
+    kept: Option<Kept>,
     pub(super) actions: Vec<Arc<str>>,
+    frames: u32,
+    buffer: Vec<u8>,
+    listeners: Vec<Box<dyn Listener>>,
+}
+
+/// The file.
+struct Kept {
+    mcap: mcap::Writer<BufWriter<File>>,
     /// In the order of [`Topic::ALL`]; `None` for topics that such a recording does not have.
     channels: Vec<Option<u16>>,
-    frames: u32,
     chunk_ns: u64,
     chunk_start_ns: Option<u64>,
-    buffer: Vec<u8>,
 }
 
 /// What stands at the start of a file.
@@ -112,25 +123,51 @@ impl RecordingWriter {
             })
             .collect::<Result<_, _>>()
             .map_err(failed)?;
-        Ok(Self {
-            file: file.to_owned(),
+        let kept = Kept {
             mcap,
-            actions: header
-                .actions
-                .iter()
-                .map(|name| name.as_str().into())
-                .collect(),
             channels,
-            frames: 0,
             chunk_ns: preface.chunk_ns,
             chunk_start_ns: None,
-            buffer: Vec::with_capacity(512),
-        })
+        };
+        Ok(Self::new(file, header, Some(kept)))
     }
 
-    /// The file.
+    /// Keeps nothing; for those who listen alone.
+    pub fn unkept(header: &Header) -> Self {
+        Self::new(Path::new("the run that is not recorded"), header, None)
+    }
+
+    fn new(file: &Path, header: &Header, kept: Option<Kept>) -> Self {
+        let actions = header.actions.iter();
+        Self {
+            file: file.to_owned(),
+            kept,
+            actions: actions.map(|name| name.as_str().into()).collect(),
+            frames: 0,
+            buffer: Vec::with_capacity(512),
+            listeners: Vec::new(),
+        }
+    }
+
+    /// Gives every message from now on to a listener as well.
+    pub fn listen(&mut self, listener: Box<dyn Listener>) {
+        self.listeners.push(listener);
+    }
+
+    /// Goes on for those who listen, without the file; whether anybody does.
+    pub(super) fn forsake_file(&mut self) -> bool {
+        self.kept = None;
+        !self.listeners.is_empty()
+    }
+
+    /// What the file is called.
     pub fn file(&self) -> &Path {
         &self.file
+    }
+
+    /// Whether there is a file.
+    pub(super) fn is_kept(&self) -> bool {
+        self.kept.is_some()
     }
 
     /// Writes one control period; `observation` where the path of the handle is known.
@@ -150,12 +187,15 @@ impl RecordingWriter {
 
     /// Closes the chunk where it spans enough by now.
     pub(super) fn turn(&mut self, time_ns: u64) -> Result<(), RecordingError> {
-        let started_ns = *self.chunk_start_ns.get_or_insert(time_ns);
-        if time_ns.saturating_sub(started_ns) >= self.chunk_ns {
-            self.flush()?;
-            self.chunk_start_ns = Some(time_ns);
+        let Some(kept) = &mut self.kept else {
+            return Ok(());
+        };
+        let started_ns = *kept.chunk_start_ns.get_or_insert(time_ns);
+        if time_ns.saturating_sub(started_ns) < kept.chunk_ns {
+            return Ok(());
         }
-        Ok(())
+        kept.chunk_start_ns = Some(time_ns);
+        self.flush()
     }
 
     /// Name of an action.
@@ -246,10 +286,13 @@ impl RecordingWriter {
     /// # Errors
     /// As [`frame`](Self::frame).
     pub fn finish(mut self) -> Result<(), RecordingError> {
-        self.mcap
+        let Some(mut kept) = self.kept.take() else {
+            return Ok(());
+        };
+        kept.mcap
             .finish()
             .map_err(|error| RecordingError::mcap(&self.file, &error))?;
-        self.mcap
+        kept.mcap
             .into_inner()
             .into_inner()
             .map_err(std::io::IntoInnerError::into_error)
@@ -262,13 +305,26 @@ impl RecordingWriter {
     /// # Errors
     /// As [`frame`](Self::frame).
     pub(super) fn attach(&mut self, name: &str, data: &[u8]) -> Result<(), RecordingError> {
-        self.mcap
+        let Some(kept) = &mut self.kept else {
+            return Ok(());
+        };
+        kept.mcap
             .attach(&attachment(name, JSON, data))
             .map_err(|error| RecordingError::mcap(&self.file, &error))
     }
 
+    /// Tells those who listen how the run ended.
+    pub(super) fn tell_end(&mut self, report: &RunReport) {
+        for listener in &mut self.listeners {
+            listener.end(report);
+        }
+    }
+
     pub(super) fn flush(&mut self) -> Result<(), RecordingError> {
-        self.mcap
+        let Some(kept) = &mut self.kept else {
+            return Ok(());
+        };
+        kept.mcap
             .flush()
             .map_err(|error| RecordingError::mcap(&self.file, &error))
     }
@@ -279,22 +335,33 @@ impl RecordingWriter {
         time_ns: u64,
         message: &impl Serialize,
     ) -> Result<(), RecordingError> {
-        let Some(channel_id) = self.channels[topic as usize] else {
+        self.buffer.clear();
+        serde_json::to_writer(&mut self.buffer, message)
+            .map_err(|error| RecordingError::write(&self.file, &error.into()))?;
+        let heard = Message {
+            topic: topic.name(),
+            time_ns,
+            json: &self.buffer,
+        };
+        for listener in &mut self.listeners {
+            listener.hear(&heard);
+        }
+        let Some(kept) = &mut self.kept else {
+            return Ok(());
+        };
+        let Some(channel_id) = kept.channels[topic as usize] else {
             return Err(RecordingError::Write {
                 file: self.file.clone(),
                 reason: format!("such a recording has no {}", topic.name()),
             });
         };
-        self.buffer.clear();
-        serde_json::to_writer(&mut self.buffer, message)
-            .map_err(|error| RecordingError::write(&self.file, &error.into()))?;
         let header = MessageHeader {
             channel_id,
             sequence: self.frames,
             log_time: time_ns,
             publish_time: time_ns,
         };
-        self.mcap
+        kept.mcap
             .write_to_known_channel(&header, &self.buffer)
             .map_err(|error| RecordingError::mcap(&self.file, &error))
     }

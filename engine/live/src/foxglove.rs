@@ -34,6 +34,8 @@ pub struct Foxglove {
     access: Access,
     channels: Channels,
     server: WebSocketServerHandle,
+    /// The server forgets its channels with it.
+    _context: Arc<Context>,
     _background: Background,
 }
 
@@ -80,6 +82,7 @@ impl Foxglove {
             access,
             channels,
             server,
+            _context: context,
             _background: background,
         })
     }

@@ -50,14 +50,16 @@ export function drawForce(canvas, scene, run, channel) {
     xLabel: `believed state, ${shown_unit}`,
     yLabel: "N",
   });
-  const band = bandOf(scene, shownAction(scene, run), channel);
+  const shownName = shownAction(scene, run);
+  const band = bandOf(scene, shownName, channel);
   if (band !== undefined) {
     const edge = (state, index) => [shown(state), band.mean[index] - SIGMAS * band.sigma[index], band.mean[index] + SIGMAS * band.sigma[index]];
     plot.band(scene.states.map(edge), "believed", 0.25);
     plot.line(scene.states.map((state, index) => [shown(state), band.mean[index]]), "believed", 1);
   }
-  tail.forEach(({ time, state, [channel]: force }) => {
-    plot.dot(shown(state), force, "felt", 2, 1 - (run.time - time) / TAIL_S);
+  tail.forEach(({ time, state, action, [channel]: force }) => {
+    const name = action === shownName ? "felt" : "a0";
+    plot.dot(shown(state), force, name, 2, 1 - (run.time - time) / TAIL_S);
   });
   const last = tail.at(-1);
   if (last !== undefined) {

@@ -38,15 +38,20 @@ function warn(text) {
 
 const signed = (value, digits) => value.toFixed(digits).replace("-", "−");
 
-function showBelief(scene, belief) {
+/** A state or a spread as people read it. */
+function stateText(scene, value) {
   const { shown_per_si: shown, shown_unit: unit } = scene.joint;
+  return `${signed(value * shown, 1)}${unit === "°" ? "" : " "}${unit}`;
+}
+
+function showBelief(scene, belief) {
   element("mean").dataset.step = belief.step;
   if (!belief.valid) {
     ["mean", "spread", "entropy"].forEach((id) => show(id, "", "–"));
     return;
   }
-  show("mean", belief.mean, `${signed(belief.mean * shown, 1)} ${unit}`);
-  show("spread", belief.sigma, `${(belief.sigma * shown).toFixed(1)} ${unit}`);
+  show("mean", belief.mean, stateText(scene, belief.mean));
+  show("spread", belief.sigma, stateText(scene, belief.sigma));
   show("entropy", belief.entropy, belief.entropy.toFixed(2));
 }
 
@@ -58,9 +63,8 @@ function showObservation(observation) {
 
 function showGoal(scene, run) {
   const goal = scene.goals[run.goal] ?? scene.goals[0];
-  const { shown_per_si: shown, shown_unit: unit } = scene.joint;
   const which = scene.goals.length > 1 ? ` (${run.goal + 1} of ${scene.goals.length})` : "";
-  show("goal", goal.state, `${signed(goal.state * shown, 1)} ${unit}${which}`);
+  show("goal", goal.state, `${stateText(scene, goal.state)}${which}`);
 }
 
 function showNumbers(scene, run) {

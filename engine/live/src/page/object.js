@@ -28,11 +28,14 @@ function cloud({ run }) {
   return mass.map(part).filter(({ share }) => share > 0);
 }
 
-function label(pen, text, x, y, align) {
+/** A text around a place, but within the picture. */
+function label({ pen, width, height }, text, x, y) {
+  const half = pen.measureText(text).width / 2 + 2;
   pen.fillStyle = colour("faint");
-  pen.textAlign = align;
+  pen.textAlign = "center";
   pen.textBaseline = "middle";
-  pen.fillText(text, x, y);
+  const within = (value, room, size) => Math.min(Math.max(value, room), size - room);
+  pen.fillText(text, within(x, half, width), within(y, 8, height));
 }
 
 /** Of an arc around the hinge: angles are mathematical, the closed door points to the right. */
@@ -100,9 +103,9 @@ function drawHinge(view) {
   pen.arc(x, y, 5, 0, 2 * Math.PI);
   pen.fill();
   const name = (word, state) => `${word} ${(state * shown_per_si).toFixed(0)}${shown_unit}`;
-  const beside = (angle) => (Math.cos(angle) > 0.5 ? "left" : Math.cos(angle) < -0.5 ? "right" : "center");
-  label(pen, name("closed", lower), ...at(lower, radius + 18), "right");
-  label(pen, name("open", upper), ...at(upper, radius + TEXT_ROOM), beside(upper) === "left" ? "right" : "center");
+  const [closedX, closedY] = at(lower, radius);
+  label(view, name("closed", lower), closedX, closedY + 14);
+  label(view, name("open", upper), ...at(upper, radius + TEXT_ROOM));
 }
 
 function drawSlide(view) {
@@ -153,6 +156,6 @@ function drawSlide(view) {
     pen.fillRect(front + 3, middle - 3, 12, 6);
   }
   const name = (word, state) => `${word} ${(state * shown_per_si).toFixed(1)} ${shown_unit}`;
-  label(pen, name("closed", lower), at(lower), height - 10, "center");
-  label(pen, name("open", upper), at(upper), height - 10, "right");
+  label(view, name("closed", lower), at(lower), height - 10);
+  label(view, name("open", upper), at(upper), height - 10);
 }

@@ -70,12 +70,16 @@ export class Run {
   hear_observation(message, time) {
     this.observation = { ...message, time };
     const state = this.belief?.valid ? this.belief.mean : null;
-    this.forces.push({ time, state, f_d: message.f_d, f_z: message.f_z, f_n: message.f_n });
+    this.forces.push({ time, state, action: null, f_d: message.f_d, f_z: message.f_z, f_n: message.f_n });
     forget(this.forces, time);
   }
 
   hear_action(message, time) {
     this.action = message;
+    const felt = this.forces.at(-1);
+    if (felt?.time === time) {
+      felt.action = message.action;
+    }
     const last = this.actions.at(-1);
     if (last?.name === message.action) {
       last.until = time;

@@ -4,83 +4,24 @@
 #[path = "common/browser.rs"]
 mod browser;
 mod common;
+#[path = "common/watched.rs"]
+mod watched;
 
 use std::collections::HashMap;
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{BufReader, Read};
 use std::net::TcpStream;
 use std::path::Path;
-use std::process::{Child, ChildStderr, Command, Stdio};
-use std::time::Duration;
+use std::process::Command;
 
 use browser::{Browser, http};
-use common::{Answer, command, door2, door2_policy, words};
+use common::{command, door2, door2_policy, words};
 use serde_json::{Value, json};
-
-/// A run with live views, on its way.
-struct Watched {
-    process: Child,
-    stderr: BufReader<ChildStderr>,
-    line: String,
-}
-
-impl Watched {
-    /// Starts `run` of door2.
-    fn start(folder: &Path, line: &str) -> Self {
-        let (object, policy) = (door2(), door2_policy());
-        let mut arguments = vec!["run", &object, "--policy", &policy, "--json"];
-        arguments.extend(words(line));
-        Self::of(&mut command(folder, &arguments), line)
-    }
-
-    fn of(command: &mut Command, line: &str) -> Self {
-        let mut process = command
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let stderr = BufReader::new(process.stderr.take().unwrap());
-        Self {
-            process,
-            stderr,
-            line: line.to_owned(),
-        }
-    }
-
-    /// The address that the program prints after `what`.
-    fn address(&mut self, what: &str) -> String {
-        let mut told = String::new();
-        loop {
-            let mut line = String::new();
-            let count = self.stderr.read_line(&mut line).unwrap();
-            assert!(count > 0, "no address of the {what} in: {told}");
-            if let Some(address) = line.strip_prefix(&format!("{what}: ")) {
-                return address.trim_end().to_owned();
-            }
-            told += &line;
-        }
-    }
-
-    /// Waits for the end.
-    fn end(mut self) -> Answer {
-        let mut told = Vec::new();
-        self.stderr.read_to_end(&mut told).unwrap();
-        let mut output = self.process.wait_with_output().unwrap();
-        output.stderr = told;
-        Answer::from_output(self.line, output)
-    }
-}
-
-fn port(address: &str) -> u16 {
-    let (_, rest) = address.rsplit_once(':').unwrap();
-    let digits: String = rest.chars().take_while(char::is_ascii_digit).collect();
-    digits.parse().unwrap()
-}
+use watched::{Foxglove, Messages, Watched, port, watch};
 
 /// Messages of a recording by topic, read by a reader that is not ours.
-fn messages(file: &Path) -> HashMap<String, Vec<(u64, Vec<u8>)>> {
+fn messages(file: &Path) -> Messages {
     let bytes = std::fs::read(file).unwrap();
-    let mut topics: HashMap<String, Vec<(u64, Vec<u8>)>> = HashMap::new();
+    let mut topics = Messages::new();
     for message in mcap::MessageStream::new(&bytes).unwrap() {
         let message = message.unwrap();
         let topic = topics.entry(message.channel.topic.clone()).or_default();
@@ -361,17 +302,6 @@ fn a_page_of_another_site_sees_nothing() {
     drop(viewer);
 }
 
-/// A connection that asks for the events.
-fn watch(port: u16, path: &str) -> TcpStream {
-    let mut viewer = TcpStream::connect(("127.0.0.1", port)).unwrap();
-    let request = format!("GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n");
-    viewer.write_all(request.as_bytes()).unwrap();
-    viewer
-        .set_read_timeout(Some(Duration::from_secs(30)))
-        .unwrap();
-    viewer
-}
-
 #[test]
 fn viewers_that_read_nothing_or_vanish_are_not_waited_for() {
     let folder = tempfile::tempdir().unwrap();
@@ -473,47 +403,7 @@ fn the_foxglove_app_is_given_the_topics_of_the_recording() {
         "--goal 0.5 --foxglove 0 --token of-the-foxglove --wait-for-viewer --record fox.mcap";
     let mut run = Watched::start(folder.path(), line);
     let address = run.address("foxglove");
-    let mut request =
-        tungstenite::client::IntoClientRequest::into_client_request(&address).unwrap();
-    request
-        .headers_mut()
-        .insert("Sec-WebSocket-Protocol", "foxglove.sdk.v1".parse().unwrap());
-    let (mut socket, _) = tungstenite::connect(request).unwrap();
-    let mut topics: HashMap<u64, String> = HashMap::new();
-    let mut heard: HashMap<String, Vec<(u64, Vec<u8>)>> = HashMap::new();
-    // Channels are announced, then subscribed to; messages have the number of the subscription.
-    while let Ok(message) = socket.read() {
-        match message {
-            tungstenite::Message::Text(text) => {
-                let told: Value = serde_json::from_str(&text).unwrap();
-                if told["op"] != "advertise" {
-                    continue;
-                }
-                let channels = told["channels"].as_array().unwrap();
-                let asked: Vec<Value> = channels
-                    .iter()
-                    .map(|channel| {
-                        let id = channel["id"].as_u64().unwrap();
-                        assert_eq!(channel["encoding"], "json", "{channel}");
-                        topics.insert(id, channel["topic"].as_str().unwrap().to_owned());
-                        json!({ "id": id, "channelId": id })
-                    })
-                    .collect();
-                let asked = json!({ "op": "subscribe", "subscriptions": asked }).to_string();
-                socket.send(tungstenite::Message::text(asked)).unwrap();
-            }
-            tungstenite::Message::Binary(bytes) if bytes[0] == 1 => {
-                let id = u32::from_le_bytes(bytes[1..5].try_into().unwrap());
-                let time_ns = u64::from_le_bytes(bytes[5..13].try_into().unwrap());
-                let topic = topics[&u64::from(id)].clone();
-                heard
-                    .entry(topic)
-                    .or_default()
-                    .push((time_ns, bytes[13..].to_vec()));
-            }
-            _ => {}
-        }
-    }
+    let heard = Foxglove::connect(&address).hear_all();
     run.end().assert_code(0);
     let recorded = messages(&folder.path().join("fox.mcap"));
     for topic in [

@@ -59,6 +59,16 @@ pub fn open(
             driver.plugin
         )));
     }
+    show::detail(|| {
+        let plugin = arm.plugin();
+        format!(
+            "driver: {} {}, {}; force sensor {}",
+            plugin.name(),
+            plugin.version(),
+            plugin.origin(),
+            arm.sensor()
+        )
+    });
     Ok(arm)
 }
 

@@ -25,6 +25,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use crate::failure::Failure;
+use crate::show::Talk;
 
 /// Moves doors and drawers to a chosen joint state by touch alone.
 #[derive(Parser)]
@@ -32,6 +33,12 @@ use crate::failure::Failure;
 struct Program {
     #[command(subcommand)]
     verb: Verb,
+    /// Say nothing but faults, warnings and results
+    #[arg(long, short, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Say what is read from where as well
+    #[arg(long, short, global = true)]
+    verbose: bool,
 }
 
 #[derive(Subcommand)]
@@ -62,10 +69,19 @@ enum Verb {
     Plugins(verbs::plugins::Arguments),
     /// Say what stands in the way of a run, and what to do about it
     Doctor(verbs::doctor::Arguments),
+    /// Print completions for a shell
+    Completions(verbs::completions::Arguments),
+    /// Print the manual page, or write one for every verb
+    Man(verbs::man::Arguments),
 }
 
 fn main() -> ExitCode {
     let program = Program::parse();
+    show::choose(match (program.quiet, program.verbose) {
+        (true, _) => Talk::Quiet,
+        (_, true) => Talk::Verbose,
+        _ => Talk::Usual,
+    });
     let result = match program.verb {
         Verb::Run(arguments) => verbs::run::run(&arguments),
         Verb::Replay(arguments) => verbs::replay::run(&arguments),
@@ -80,6 +96,8 @@ fn main() -> ExitCode {
         Verb::Solve(arguments) => verbs::solve::run(&arguments),
         Verb::Plugins(arguments) => verbs::plugins::run(&arguments),
         Verb::Doctor(arguments) => verbs::doctor::run(&arguments),
+        Verb::Completions(arguments) => verbs::completions::run(&arguments),
+        Verb::Man(arguments) => verbs::man::run(&arguments),
     };
     match result {
         Ok(code) => ExitCode::from(code),
@@ -89,3 +107,6 @@ fn main() -> ExitCode {
 
 /// What a verb gives back: its exit code, or why it could not go on.
 type Ended = Result<u8, Failure>;
+
+#[cfg(test)]
+mod examples;

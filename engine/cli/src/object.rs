@@ -12,6 +12,7 @@ use pubs_host::{HostError, ParameterFault, Registry};
 
 use crate::built_in;
 use crate::failure::Failure;
+use crate::show;
 
 /// Everything that a verb needs of an object.
 pub struct Ready {
@@ -38,6 +39,9 @@ pub fn ready(
     seed: u64,
 ) -> Result<Ready, Failure> {
     let loaded = object::load(path, overrides)?;
+    for set in overrides.typed() {
+        show::detail(|| format!("overridden: {set}"));
+    }
     let task = compile(&loaded.file).map_err(|error| Failure::fault(&error))?;
     let faults = parameter_faults(&loaded, &task, registry);
     if !faults.is_empty() {
@@ -73,6 +77,13 @@ pub fn without_driver(
         Err(error) => return Err(refusal(&loaded, error)),
     };
     let model_plugin = format!("{} {}", model.plugin().name(), model.plugin().version());
+    show::detail(|| {
+        let origin = model.plugin().origin();
+        format!(
+            "object: {}\nobservation model: {model_plugin}, {origin}",
+            loaded.path().display()
+        )
+    });
     Ok(Ready {
         task: Arc::new(task),
         model: Arc::new(model),

@@ -8,6 +8,7 @@ use pubs_core::object::Overrides;
 use pubs_policy::Runtime;
 
 use crate::failure::{Failure, chain};
+use crate::show;
 
 /// Where an object comes from.
 #[derive(Args)]
@@ -60,8 +61,10 @@ impl RuntimeOptions {
     /// # Errors
     /// Where the library cannot be used.
     pub fn runtime(&self) -> Result<Runtime, Failure> {
-        Runtime::from_library(self.onnxruntime.as_deref())
-            .map_err(|error| Failure::incompatible(chain(&error)))
+        let runtime = Runtime::from_library(self.onnxruntime.as_deref())
+            .map_err(|error| Failure::incompatible(chain(&error)))?;
+        show::detail(|| format!("policy runtime: {runtime}"));
+        Ok(runtime)
     }
 }
 

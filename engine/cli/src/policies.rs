@@ -92,15 +92,18 @@ pub fn found_or_trained(
     let mut passed_over = Vec::new();
     for path in candidates(folder, &ready.task.name) {
         match fits(&path, &ready.task, goals) {
-            Ok(file) => return Ok(file),
+            Ok(file) => {
+                show::detail(|| format!("policy: {}", path.display()));
+                return Ok(file);
+            }
             Err(reason) => passed_over.push(reason),
         }
     }
     for reason in &passed_over {
-        show::say(&format!("note: passed over {reason}"));
+        show::note(&format!("note: passed over {reason}"));
     }
     let path = free_name(folder, &ready.task);
-    show::say(&format!(
+    show::note(&format!(
         "note: no policy in {} fits; training one for every goal, which takes about half a minute",
         folder.display()
     ));
@@ -122,7 +125,7 @@ pub fn found_or_trained(
         threads: None,
     };
     let result = training::train(ready, &plan, &path, Existing::Keep, runtime, interrupt)?;
-    show::say(&format!(
+    show::note(&format!(
         "note: trained {} in {:.1} s (success {:.2} % of {} trials)",
         path.display(),
         result

@@ -17,13 +17,17 @@ use serde_json::Value;
 use crate::failure::Failure;
 use crate::object::Ready;
 use crate::policies::sibling_folder;
+use crate::show;
+
+/// Environment variable that says where.
+pub const RECORD_VARIABLE: &str = "PUBS_RECORD";
 
 /// Where a run is recorded.
 #[derive(Args)]
 pub struct RecordingOptions {
     /// Record into this file (.mcap), or into this folder under a name with object and time
     /// [default: recordings, beside the object's folder]
-    #[arg(long, value_name = "FILE|DIR", env = "PUBS_RECORD")]
+    #[arg(long, value_name = "FILE|DIR", env = RECORD_VARIABLE)]
     record: Option<PathBuf>,
     /// Record nothing
     #[arg(long)]
@@ -97,7 +101,9 @@ fn kept(
         resolved_toml: &resolved,
         policies: vec![setup.policy.bytes()],
     };
-    create(options, setup, &started, &preface)
+    let writer = create(options, setup, &started, &preface)?;
+    show::detail(|| format!("recording: {}", writer.file().display()));
+    Ok(writer)
 }
 
 /// Creates the file: the one that was named, or the first free name in the folder.

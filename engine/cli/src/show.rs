@@ -1,10 +1,35 @@
 //! Results go to stdout, talk to stderr.
 
 use std::io::{self, IsTerminal, Write};
+use std::sync::OnceLock;
+use std::time::Duration;
 
+use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use crate::failure::Failure;
+
+/// How much the program talks; results and faults are not talk.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Talk {
+    /// Warnings, and what a user has to know to go on.
+    Quiet,
+    /// Notes and progress beside.
+    Usual,
+    /// What was read from where, too.
+    Verbose,
+}
+
+static TALK: OnceLock<Talk> = OnceLock::new();
+
+/// Chooses how much to talk, once, before anything is said.
+pub fn choose(talk: Talk) {
+    TALK.get_or_init(|| talk);
+}
+
+fn talks(least: Talk) -> bool {
+    *TALK.get().unwrap_or(&Talk::Usual) >= least
+}
 
 /// Writes a result. A reader that has gone away is no error.
 ///
@@ -30,9 +55,46 @@ pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
     print(&serde_json::to_string(value).map_err(|error| Failure::fault(&error))?)
 }
 
-/// Talks to the user. Nobody listening is no error.
+/// Says what has to be heard, `--quiet` or not: faults, warnings, where a live view is. Nobody
+/// listening is no error.
 pub fn say(text: &str) {
     let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+/// Says what is good to know, unless `--quiet`.
+pub fn note(text: &str) {
+    if talks(Talk::Usual) {
+        say(text);
+    }
+}
+
+/// Says what is read from where, where `--verbose` asks for it.
+pub fn detail(text: impl FnOnce() -> String) {
+    if talks(Talk::Verbose) {
+        say(&text());
+    }
+}
+
+/// A bar of progress on a terminal, unless `--quiet`.
+pub fn bar(length: u64, template: &str) -> ProgressBar {
+    styled(ProgressBar::new(length), template)
+}
+
+/// A line of status on a terminal, unless `--quiet`.
+pub fn status_line() -> ProgressBar {
+    let line = styled(ProgressBar::new_spinner(), "{spinner} {msg}");
+    line.enable_steady_tick(Duration::from_millis(200));
+    line
+}
+
+fn styled(bar: ProgressBar, template: &str) -> ProgressBar {
+    if !talks(Talk::Usual) {
+        return ProgressBar::hidden();
+    }
+    match ProgressStyle::with_template(template) {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
 }
 
 /// Whether stdout is a terminal that wants colours.

@@ -6,13 +6,13 @@ use std::sync::Mutex;
 use std::sync::PoisonError;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use indicatif::{ProgressBar, ProgressStyle};
 use pubs_evaluate::{Candidate, Evaluation, TrainBestError, TrainingPlan, train_best};
 use pubs_policy::{Existing, ExportError, Runtime};
 use pubs_train::Progress;
 
 use crate::failure::Failure;
 use crate::object::Ready;
+use crate::show;
 
 /// What a training brought.
 pub struct TrainingResult {
@@ -36,11 +36,10 @@ pub fn train(
     runtime: &Runtime,
     interrupt: &AtomicBool,
 ) -> Result<TrainingResult, Failure> {
-    let bar = ProgressBar::new(
-        (plan.recipe.updates() * plan.recipe.rollout * plan.recipe.environments * plan.seeds.len())
-            as u64,
-    );
-    bar.set_style(style());
+    let recipe = &plan.recipe;
+    let steps = recipe.updates() * recipe.rollout * recipe.environments * plan.seeds.len();
+    let template = "training {bar:30} {percent:>3} %  {msg}  ({eta} left)";
+    let bar = show::bar(steps as u64, template);
     let latest = Mutex::new(vec![Progress::default(); plan.seeds.len()]);
     let report = |index: usize, progress: &Progress| {
         let mut latest = latest.lock().unwrap_or_else(PoisonError::into_inner);
@@ -93,9 +92,4 @@ fn describe(seed: u64, progress: &Progress) -> String {
         percent(progress.success_rate),
         percent(progress.violation_rate),
     )
-}
-
-fn style() -> ProgressStyle {
-    ProgressStyle::with_template("training {bar:30} {percent:>3} %  {msg}  ({eta} left)")
-        .unwrap_or_else(|_| ProgressStyle::default_bar())
 }

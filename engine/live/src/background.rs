@@ -10,7 +10,7 @@ use crate::LiveError;
 
 /// How much less of a busy processor a viewer gets than the loops, where these have no real-time
 /// scheduling.
-const NICENESS: libc::c_int = 10;
+const NICENESS: i32 = 10;
 
 /// A server in a thread of its own, until it is dropped.
 pub(crate) struct Background {
@@ -73,6 +73,6 @@ fn runtime() -> std::io::Result<Runtime> {
 
 /// Lowers the priority of the calling thread. That it may not be so is no reason to fail.
 fn give_way() {
-    // SAFETY: the call takes numbers alone; 0 is the calling thread.
-    let _ = unsafe { libc::setpriority(libc::PRIO_PROCESS, 0, NICENESS) };
+    // On Linux the calling thread is what has a priority, and "none" names it.
+    _ = rustix::process::setpriority_process(None, NICENESS);
 }

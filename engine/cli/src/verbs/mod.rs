@@ -2,9 +2,11 @@
 
 pub mod calibrate;
 pub mod check;
+pub mod completions;
 pub mod config;
 pub mod doctor;
 pub mod evaluate;
+pub mod man;
 pub mod plot;
 pub mod plugin_check;
 pub mod plugins;

@@ -75,7 +75,7 @@ pub fn run(arguments: &Arguments) -> Ended {
         show::say(&format!("warning: {}: {missing}", file.display()));
     }
     if report.recorded_on != report.replayed_on {
-        show::say(&format!(
+        show::note(&format!(
             "note: recorded on the vector unit {}, replayed on {}: last bits differ (--tolerance-state, --tolerance-force and --tolerance-entropy pass over small differences)",
             report.recorded_on, report.replayed_on
         ));
@@ -147,7 +147,7 @@ fn tell_differences_of_setup(recording: &RunRecording, ready: &Ready, runtime: &
     ];
     for (what, then, now) in pairs {
         if *then != now {
-            show::say(&format!("note: {what}: recorded with {then}, now {now}"));
+            show::note(&format!("note: {what}: recorded with {then}, now {now}"));
         }
     }
 }

@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use pubs_core::vector::VectorUnit;
 use pubs_evaluate::reproduce::plan::{Part, PlanOptions, plan};
 use pubs_evaluate::reproduce::report::{ReportContext, write};
@@ -227,13 +227,9 @@ struct Overall {
 impl Overall {
     fn new(units: &[Unit]) -> Self {
         let total_ms: f64 = units.iter().map(|unit| 1e3 * estimate_s(unit)).sum();
-        let bar = ProgressBar::new(total_ms as u64);
-        let style = "cells {bar:30} {percent:>3} %  {msg}  ({eta} left)";
-        if let Ok(style) = ProgressStyle::with_template(style) {
-            bar.set_style(style);
-        }
+        let template = "cells {bar:30} {percent:>3} %  {msg}  ({eta} left)";
         Self {
-            bar,
+            bar: show::bar(total_ms as u64, template),
             done_ms: units.iter().map(|_| AtomicU64::new(0)).collect(),
         }
     }
@@ -252,9 +248,12 @@ impl Overall {
         let line = match event {
             Event::Running(_) | Event::Kept | Event::Interrupted => return,
             Event::Made { time_s } => format!("{} in {time_s:.1} s", unit.id()),
-            Event::Failed(reason) => format!("{} failed: {reason}", unit.id()),
+            Event::Failed(reason) => {
+                let line = format!("{} failed: {reason}", unit.id());
+                return self.bar.suspend(|| show::say(&line));
+            }
         };
-        self.bar.suspend(|| show::say(&line));
+        self.bar.suspend(|| show::note(&line));
     }
 }
 

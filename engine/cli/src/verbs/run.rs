@@ -5,7 +5,6 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use pubs_core::{Joint, Task};
 use pubs_policy::{FeatureName, PolicyFile, Runtime};
 use pubs_run::{Actor, GoalPlan, GoalReport, Outcome, RunError, RunOptions, RunReport, Status};
@@ -121,7 +120,7 @@ pub fn run(arguments: &Arguments) -> Ended {
         interrupt,
     };
     let recorder = recorded::recorder(&arguments.recording, &setup, &options, views.listeners())?;
-    let bar = status_line();
+    let bar = show::status_line();
     let mut watch = |status: &Status| bar.set_message(status_text(&ready.task, &goals, status));
     let report = pubs_run::run_recorded(
         &ready.task,
@@ -136,7 +135,7 @@ pub fn run(arguments: &Arguments) -> Ended {
     views.finish();
     let report = report.map_err(|error| Failure::invalid(error.to_string()))?;
     for note in &report.notes {
-        show::say(&format!("note: {note}"));
+        show::note(&format!("note: {note}"));
     }
     if let Some(reason) = &report.reason {
         show::say(&format!("stopped: {reason}"));
@@ -188,15 +187,6 @@ fn policy(
             policies::found_or_trained(ready, &folder, &wanted, runtime, interrupt)
         }
     }
-}
-
-fn status_line() -> ProgressBar {
-    let bar = ProgressBar::new_spinner();
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}") {
-        bar.set_style(style);
-    }
-    bar.enable_steady_tick(std::time::Duration::from_millis(200));
-    bar
 }
 
 fn status_text(task: &Task, goals: &[f64], status: &Status) -> String {

@@ -121,7 +121,7 @@ pub fn run(arguments: &Arguments) -> Ended {
     } else {
         show::print(&text(&report, &solution))?;
         if origin.is_some() {
-            show::say(
+            show::note(
                 "note: the bounds hold for the object on this grid; `pubs-engine evaluate` says what the \
                  policy earns on the object itself",
             );
@@ -173,9 +173,9 @@ impl Speaker {
             return;
         }
         if self.last.is_none() {
-            show::say(" time_s       lower       upper         gap  alpha vectors   beliefs");
+            show::note(" time_s       lower       upper         gap  alpha vectors   beliefs");
         }
-        show::say(&format!(
+        show::note(&format!(
             "{:7.2} {:11.4} {:11.4} {:11.4} {:14} {:9}",
             progress.time_s,
             progress.lower,

@@ -49,7 +49,7 @@ pub fn fit(
         show::print_json(&report)?;
     } else if arguments.dry_run {
         show::print(&object_text::difference(loaded.text(), &text))?;
-        show::say(&summary::text(task, &report));
+        show::note(&summary::text(task, &report));
     } else {
         show::print(&summary::text(task, &report))?;
     }

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use indicatif::{ProgressBar, ProgressStyle};
 use pubs_calibrate::record::{
     BaselineLimits, Keeper, RecordError, RecordOptions, RecordReport, RecordStatus, record as drive,
 };
@@ -55,7 +54,7 @@ pub fn record(
     let kind = if arguments.check { CHECK } else { CALIBRATION };
     let earlier = Earlier::find(arguments, task, &folder, kind)?;
     if earlier.is_whole(task, arguments.demonstrations()) {
-        show::say(&format!(
+        show::note(&format!(
             "note: all demonstrations are recorded already in {}",
             names(&earlier.files)
         ));
@@ -95,7 +94,7 @@ pub fn record(
         lockstep: arguments.driver.lockstep,
         interrupt,
     };
-    let bar = status_line();
+    let bar = show::status_line();
     let mut watch = |status: &RecordStatus| bar.set_message(status_text(task, &options, status));
     let report = drive(
         task,
@@ -277,7 +276,7 @@ fn told(
     ending: Option<String>,
 ) -> Result<Recorded, Failure> {
     let [x, y, z] = report.baseline.sd_n;
-    show::say(&format!(
+    show::note(&format!(
         "recorded {} of {} demonstrations in {:.0} s (sensor at rest: sd {x:.2}, {y:.2}, {z:.2} N) in {}",
         report.done.len(),
         report.wanted,
@@ -310,15 +309,6 @@ fn names(files: &[PathBuf]) -> String {
         .map(|file| file.display().to_string())
         .collect();
     names.join(", ")
-}
-
-fn status_line() -> ProgressBar {
-    let bar = ProgressBar::new_spinner();
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}") {
-        bar.set_style(style);
-    }
-    bar.enable_steady_tick(std::time::Duration::from_millis(200));
-    bar
 }
 
 fn status_text(task: &Task, options: &RecordOptions, status: &RecordStatus) -> String {

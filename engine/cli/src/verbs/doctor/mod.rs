@@ -2,6 +2,7 @@
 
 mod machine;
 mod robot;
+mod room;
 
 use std::path::PathBuf;
 
@@ -51,6 +52,7 @@ struct Check {
 pub fn run(arguments: &Arguments) -> Ended {
     let registry = built_in::registry(&arguments.layers.plugin_dirs);
     let mut checks: Vec<Check> = of("machine", machine::checks(&arguments.runtime)).collect();
+    checks.extend(of("machine", room::checks(arguments.object.as_deref())));
     checks.extend(of("plugins", machine::plugins(&registry)));
     if let Some(object) = &arguments.object {
         let overrides = arguments.driver.overrides(&arguments.layers);

@@ -63,6 +63,7 @@ pub fn named(
     }
     if let Some(inputs) = foreign {
         return PolicyFile::read_foreign(path, inputs, task.actions.len())
+            .map(told)
             .map_err(|error| incompatible(&error));
     }
     let file = PolicyFile::read(path).map_err(|error| incompatible(&error))?;
@@ -74,7 +75,7 @@ pub fn named(
             show::say(&format!("warning: {}: {warning}", path.display()));
         }
     }
-    Ok(file)
+    Ok(told(file))
 }
 
 /// A policy in `folder` that serves every one of `goals`, or a new one, trained and put there.
@@ -92,10 +93,7 @@ pub fn found_or_trained(
     let mut passed_over = Vec::new();
     for path in candidates(folder, &ready.task.name) {
         match fits(&path, &ready.task, goals) {
-            Ok(file) => {
-                show::detail(|| format!("policy: {}", path.display()));
-                return Ok(file);
-            }
+            Ok(file) => return Ok(told(file)),
             Err(reason) => passed_over.push(reason),
         }
     }
@@ -136,7 +134,14 @@ pub fn found_or_trained(
         100.0 * result.evaluation.figures.success_rate,
         result.evaluation.figures.trials,
     ));
-    PolicyFile::read(&path).map_err(|error| Failure::fault(&error))
+    let file = PolicyFile::read(&path).map_err(|error| Failure::fault(&error))?;
+    Ok(told(file))
+}
+
+/// The policy, named where that is asked for.
+fn told(file: PolicyFile) -> PolicyFile {
+    show::detail(|| format!("policy: {}", file.path().display()));
+    file
 }
 
 /// The goal a policy was made for, where it serves only one.

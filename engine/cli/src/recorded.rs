@@ -156,7 +156,8 @@ pub fn part_of(folder: &Path, stem: &str, part: u32) -> PathBuf {
     }
 }
 
-fn is_file_name(path: &Path) -> bool {
+/// Whether a recording of that name is a file, not a folder of them.
+pub fn is_file_name(path: &Path) -> bool {
     !path.is_dir() && path.extension().is_some_and(|ending| ending == "mcap")
 }
 

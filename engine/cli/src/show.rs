@@ -107,6 +107,9 @@ pub fn color_on_stderr() -> bool {
     io::stderr().is_terminal() && wants_color()
 }
 
+/// As <https://no-color.org> and <https://bixense.com/clicolors> ask for.
 fn wants_color() -> bool {
-    std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+    let is = |name: &str, value: &str| std::env::var_os(name).is_some_and(|own| own == value);
+    let no_color = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    !no_color && !is("CLICOLOR", "0") && !is("TERM", "dumb")
 }

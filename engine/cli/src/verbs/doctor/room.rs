@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use pubs_plugin::{CheckState, DriverCheck};
 
 use super::check;
-use crate::recorded::{RECORD_VARIABLE, folder_of};
+use crate::recorded::{self, RECORD_VARIABLE, folder_of};
 
 /// What a run records, measured: 2.2 MB in 14 s of door2 at 100, 30 and 10 Hz.
 const BYTES_PER_MINUTE: u64 = 10_000_000;
@@ -27,9 +27,17 @@ pub fn checks(object: Option<&Path>) -> Vec<DriverCheck> {
 /// Where a run would record.
 fn folder(object: Option<&Path>) -> PathBuf {
     match (std::env::var_os(RECORD_VARIABLE), object) {
-        (Some(named), _) => named.into(),
+        (Some(named), _) => folder_of_named(named.into()),
         (None, Some(object)) => folder_of(object),
         (None, None) => folder_of(Path::new("objects/object.toml")),
+    }
+}
+
+/// A name that ends in `.mcap` is that of the file.
+fn folder_of_named(named: PathBuf) -> PathBuf {
+    match (recorded::is_file_name(&named), named.parent()) {
+        (true, Some(folder)) => folder.to_owned(),
+        _ => named,
     }
 }
 
@@ -37,9 +45,16 @@ fn disk(folder: &Path) -> DriverCheck {
     let elsewhere =
         "record elsewhere with --record DIR (or PUBS_RECORD), or not at all with --no-record";
     // It is made when it is first needed; until then the disk is that of the folder it will be in.
-    let there = folder.ancestors().find(|path| path.is_dir());
+    let there = folder.ancestors().find(|path| path.exists());
+    let there = there.filter(|path| !path.as_os_str().is_empty());
     let there = there.unwrap_or(Path::new("."));
     let fault = |found: String| check("recordings", CheckState::Fault, found, elsewhere);
+    if !there.is_dir() {
+        return fault(format!(
+            "{}: a file is in the place of the folder",
+            there.display()
+        ));
+    }
     // Only a file that was made says that one can be: rights, and a disk that may not be written.
     if let Err(error) = tempfile::tempfile_in(there) {
         return fault(format!(

@@ -25,7 +25,17 @@ fn no_c_compiler() -> bool {
 
 /// Compiles `plugins/ramp.c` into `folder`.
 fn ramp_in_c(folder: &Path, macros: &[&str]) -> PathBuf {
-    let library = folder.join("libramp.so");
+    compiled(
+        folder,
+        &root().join("tests/plugins/ramp.c"),
+        "libramp.so",
+        macros,
+    )
+}
+
+/// Compiles a plugin in C into `folder`.
+fn compiled(folder: &Path, source: &Path, name: &str, macros: &[&str]) -> PathBuf {
+    let library = folder.join(name);
     let output = Command::new("cc")
         .args(["-std=c99", "-O1", "-Wall", "-Wextra", "-shared", "-fPIC"])
         .args(macros.iter().map(|name| format!("-D{name}")))
@@ -33,7 +43,7 @@ fn ramp_in_c(folder: &Path, macros: &[&str]) -> PathBuf {
         .arg(root().join("plugins/abi/include"))
         .arg("-o")
         .arg(&library)
-        .arg(root().join("tests/plugins/ramp.c"))
+        .arg(source)
         .output()
         .unwrap();
     assert!(
@@ -104,6 +114,43 @@ fn a_model_in_c_is_checked_trained_with_and_run() {
     let folder = tempfile::tempdir().unwrap();
     let library = ramp_in_c(folder.path(), &[]);
     assert_serves(folder.path(), &library, "ramp");
+}
+
+/// What stands between the fences of the page for plugin authors.
+fn code_of_the_page(language: &str) -> String {
+    let page = fs::read_to_string(root().join("plugins/abi/README.md")).unwrap();
+    let (_, rest) = page.split_once(&format!("```{language}\n")).unwrap();
+    rest.split_once("```").unwrap().0.to_owned()
+}
+
+#[test]
+fn the_plugins_of_the_authors_page_work() {
+    let ours = fs::read_to_string(root().join("tests/plugins/ramp.rs")).unwrap();
+    assert_eq!(
+        code_of_the_page("rust"),
+        ours,
+        "the page differs from tests/plugins/ramp.rs"
+    );
+    if no_c_compiler() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let source = folder.path().join("heavy_start.c");
+    fs::write(&source, code_of_the_page("c")).unwrap();
+    let library = compiled(folder.path(), &source, "libheavy_start.so", &[]);
+    pubs(folder.path(), &["plugins", "check", &path_text(&library)])
+        .assert_code(0)
+        .assert_says(&["keeps the contract"]);
+    pubs(folder.path(), &["plugins", "list", "--plugin-dir", "."])
+        .assert_code(0)
+        .assert_says(&["heavy-start"]);
+    let object = folder.path().join("door.toml");
+    fs::write(&object, door2_with_observation("model = \"heavy-start\"")).unwrap();
+    pubs(
+        folder.path(),
+        &["check", &path_text(&object), "--plugin-dir", "."],
+    )
+    .assert_code(0);
 }
 
 #[test]

@@ -9,11 +9,9 @@
 pub mod brief;
 pub mod cell;
 pub mod choices;
-mod document;
 mod figures;
 pub mod frequency;
 pub mod heatmap;
-mod html;
 mod markdown;
 pub mod matrix;
 mod numbers;

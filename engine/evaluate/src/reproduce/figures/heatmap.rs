@@ -1,10 +1,10 @@
 //! What a policy does over mean and entropy, Fig. 5.
 
 use pubs_draw::style::{INK, TEXT_SIZE};
-use pubs_draw::{Axis, DrawError, HPos, Lettering, Pen, WHITE, ticks_below, ticks_beside};
+use pubs_draw::{
+    Axis, DrawError, HPos, Lettering, Panel, Pen, WHITE, action, sheet, ticks_below, ticks_beside,
+};
 
-use super::palette::action;
-use super::{Panel, sheet};
 use crate::reproduce::heatmap::Heatmap;
 
 const SIZE: [i32; 2] = [2060, 1300];

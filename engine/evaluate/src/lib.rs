@@ -4,7 +4,7 @@
 //! cores, and sums them up as an [`Evaluation`]; the number of threads never changes a figure.
 //! [`train_best`] trains a policy with several seeds and keeps the one that does best on common
 //! trials, and [`expected_of`] says what an object asks of a policy. [`trial`] is one trial, [`statistics`] its sums.
-//! [`reproduce`] is the paper's evaluation as a whole.
+//! [`reproduce`] is the paper's evaluation as a whole.  [`report`] writes pages on what was done.
 
 mod alpha_decider;
 mod candidates;
@@ -14,6 +14,7 @@ pub mod grid;
 mod network;
 mod policy_file;
 mod reads;
+pub mod report;
 pub mod reproduce;
 pub mod statistics;
 mod training;

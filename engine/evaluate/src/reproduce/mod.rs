@@ -14,7 +14,7 @@ pub mod frequency;
 pub mod heatmap;
 mod markdown;
 pub mod matrix;
-mod numbers;
+pub(crate) mod numbers;
 pub mod paper;
 pub mod plan;
 pub mod report;

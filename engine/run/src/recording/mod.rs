@@ -59,7 +59,7 @@ pub use recorder::{Finished, Recorder};
 pub use run_header::{PolicyNote, RunHeader};
 pub use run_read::{RunRecording, read_run};
 pub use run_write::RunPreface;
-pub use steps::{BINS, BeliefStep, Choice, ChoiceVerdict, Limits, Tick, histogram};
+pub use steps::{BINS, BeliefStep, Choice, ChoiceVerdict, GuardStop, Limits, Tick, histogram};
 pub use tape::RunRecorder;
 pub(crate) use tape::Tape;
 pub use write::RecordingWriter;

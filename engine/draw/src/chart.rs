@@ -132,16 +132,18 @@ impl Chart<'_> {
                 None => panel.y.ticks((self.height / 90).max(3) as usize),
                 Some(names) => names.clone(),
             };
-            if self.y_names.is_none() {
-                panel.grid(pen, &y_ticks)?;
-            }
-            draw(pen, &panel)?;
-            panel.frame(pen)?;
-            ticks_beside(pen, &panel.y, &y_ticks, left)?;
             let x_ticks = match &self.x_names {
                 None => panel.x.ticks(8),
                 Some(names) => names.clone(),
             };
+            match self.y_names {
+                None => panel.grid(pen, &y_ticks)?,
+                // Lanes are read along the horizontal axis.
+                Some(_) => panel.upright_grid(pen, &x_ticks)?,
+            }
+            draw(pen, &panel)?;
+            panel.frame(pen)?;
+            ticks_beside(pen, &panel.y, &y_ticks, left)?;
             ticks_below(pen, &panel.x, &x_ticks, bottom)?;
             let across = Lettering::new(TEXT_SIZE, INK, HPos::Center);
             pen.text(self.x_title, [(left + RIGHT) / 2, bottom + X_TITLE], across)?;

@@ -112,10 +112,20 @@ fn field(field: &Field) -> String {
     }
 }
 
-/// From `<svg` on, since a declaration has no place within HTML; named for readers that do not see it.
+/// Widths of a sheet for each pixel that it needs at least for its letters to be read.
+const SHEET_PER_PIXEL: f64 = 3.7;
+
+/// From `<svg` on, since a declaration has no place within HTML; named for readers that do not see
+/// it, and with the width below which a narrow page rather moves the picture than shrinks it.
 fn inline(svg: &str, label: &str) -> String {
     let start = svg.find("<svg").unwrap_or(0);
-    let named = format!("<svg role=\"img\" aria-label=\"{label}\"");
+    let width = svg[start..]
+        .split_once("viewBox=\"0 0 ")
+        .and_then(|(_, rest)| rest.split(' ').next()?.parse::<f64>().ok());
+    let least = width.map_or_else(String::new, |width| {
+        format!(" style=\"--least: {:.0}px\"", width / SHEET_PER_PIXEL)
+    });
+    let named = format!("<svg role=\"img\" aria-label=\"{label}\"{least}");
     svg[start..].trim_end().replacen("<svg", &named, 1)
 }
 

@@ -50,6 +50,18 @@ impl Panel {
         Ok(())
     }
 
+    /// Upright lines at the ticks.
+    ///
+    /// # Errors
+    /// [`DrawError::Drawing`].
+    pub fn upright_grid(&self, pen: &mut Pen, ticks: &[(f64, String)]) -> Result<(), DrawError> {
+        for (tick, _) in ticks {
+            let x = self.x.at(*tick);
+            pen.line(&[[x, self.y.start], [x, self.y.end]], GRID, THIN_WIDTH)?;
+        }
+        Ok(())
+    }
+
     /// Its outline.
     ///
     /// # Errors

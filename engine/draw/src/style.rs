@@ -6,7 +6,7 @@ use plotters::style::{RGBColor, WHITE};
 pub const POINT: f64 = 300.0 / 72.0;
 
 /// Type of a picture's first line.
-pub const TITLE_SIZE: f64 = 14.0 * POINT;
+pub const TITLE_SIZE: f64 = 12.0 * POINT;
 /// Type of axis titles and legends.
 pub const TEXT_SIZE: f64 = 9.0 * POINT;
 /// Type above a panel.

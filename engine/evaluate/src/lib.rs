@@ -7,10 +7,13 @@
 //! [`reproduce`] is the paper's evaluation as a whole.  [`report`] writes pages on what was done.
 
 mod alpha_decider;
+mod asked;
 mod candidates;
 pub mod decider;
 mod evaluation;
+mod goal_errors;
 pub mod grid;
+mod learning;
 mod network;
 mod policy_file;
 mod reads;
@@ -26,6 +29,8 @@ pub use evaluation::{
     Contestant, EvaluateError, Evaluation, EvaluationOptions, Figures, GoalChoice,
     NetworkContestant, evaluate,
 };
+pub use goal_errors::GoalErrors;
+pub use learning::{LearningCurves, LearningFileError, SeedCurve};
 pub use policy_file::expected_of;
 pub use pubs_policy::Method;
 pub use reads::{EntropyInput, UnknownEntropy};

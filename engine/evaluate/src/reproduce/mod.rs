@@ -9,7 +9,7 @@
 pub mod brief;
 pub mod cell;
 pub mod choices;
-mod figures;
+pub(crate) mod figures;
 pub mod frequency;
 pub mod heatmap;
 mod markdown;

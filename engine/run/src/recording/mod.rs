@@ -54,7 +54,7 @@ mod write;
 pub use error::{BadMessage, RecordingError};
 pub use header::{HeaderFault, joint_name};
 pub use message::{status_name, status_named};
-pub use read::read;
+pub use read::{object_toml, read};
 pub use recorder::{Finished, Recorder};
 pub use run_header::{PolicyNote, RunHeader};
 pub use run_read::{RunRecording, read_run};

@@ -1,7 +1,10 @@
 //! `pubs-engine report`: one page on a run, a training, an evaluation or a calibration.
 
+mod calibration;
+mod evaluation;
 mod input;
 mod run;
+mod training;
 
 use std::fs::OpenOptions;
 use std::io::{ErrorKind, Write};
@@ -12,6 +15,7 @@ use pubs_draw::document::Block;
 use serde::Serialize;
 
 use crate::failure::Failure;
+use crate::options::RuntimeOptions;
 use crate::{Ended, exit, show};
 use input::{Input, Kind};
 
@@ -33,9 +37,15 @@ pub struct Arguments {
     /// Replace a page that is there already
     #[arg(long)]
     overwrite: bool,
+    /// Object file of a calibration's recording [default: objects/OBJECT.toml beside its folder; else the
+    /// one in the recording]
+    #[arg(long, value_name = "FILE")]
+    object: Option<PathBuf>,
     /// Look for plugins here first [also PUBS_PLUGIN_PATH]
     #[arg(long = "plugin-dir", value_name = "DIR")]
     plugin_dirs: Vec<PathBuf>,
+    #[command(flatten)]
+    runtime: RuntimeOptions,
     /// One JSON object on stdout
     #[arg(long)]
     json: bool,
@@ -61,9 +71,8 @@ pub fn run(arguments: &Arguments) -> Ended {
         return Err(exists(&out));
     }
     let input = input::read(&arguments.input)?;
-    let page = match &input {
-        Input::Run(recording) => run::page(arguments, recording)?,
-    };
+    let kind = input.kind();
+    let page = page(arguments, input)?;
     for missing in &page.missing {
         show::say(&format!(
             "warning: {}: {missing}",
@@ -74,7 +83,7 @@ pub fn run(arguments: &Arguments) -> Ended {
     if arguments.json {
         show::print_json(&Report {
             report: &out,
-            kind: input.kind(),
+            kind,
             missing: &page.missing,
         })?;
     } else {
@@ -85,6 +94,22 @@ pub fn run(arguments: &Arguments) -> Ended {
     } else {
         exit::MISSED
     })
+}
+
+fn page(arguments: &Arguments, input: Input) -> Result<Page, Failure> {
+    let is_recording = matches!(input, Input::CalibrationRecording(_));
+    if arguments.object.is_some() && !is_recording {
+        return Err(Failure::invalid(
+            "--object is for the recording of a calibration; other inputs say themselves what they are about",
+        ));
+    }
+    match input {
+        Input::Run(recording) => run::page(arguments, &recording),
+        Input::Policy(file) => training::page(arguments, &file),
+        Input::Evaluation { text, judged } => evaluation::page(arguments, &text, &judged),
+        Input::CalibrationRecording(recording) => calibration::of_recording(arguments, *recording),
+        Input::Object(loaded) => calibration::of_object(arguments, *loaded),
+    }
 }
 
 /// Where the page goes.

@@ -22,7 +22,7 @@ const UNDER: i32 = 8;
 
 /// A rectangle per run of one action, the goal as marks at the edges, and a legend that says which
 /// actions are never chosen.
-pub(in crate::reproduce) fn heatmap(heatmap: &Heatmap) -> Result<String, DrawError> {
+pub(crate) fn heatmap(heatmap: &Heatmap) -> Result<String, DrawError> {
     let columns = edges(&heatmap.mean);
     let rows = edges(&heatmap.entropy);
     let panel = Panel {

@@ -6,5 +6,5 @@ mod lines;
 mod palette;
 
 pub(super) use bars::bars;
-pub(super) use heatmap::heatmap;
+pub(crate) use heatmap::heatmap;
 pub(super) use lines::lines;

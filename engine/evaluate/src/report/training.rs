@@ -1,1 +1,0 @@
-//! The page of a training, from its policy file.

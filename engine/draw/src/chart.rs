@@ -6,18 +6,18 @@ use crate::{
     ticks_beside,
 };
 
-/// Of every chart, so that charts below each other can be compared.
-const WIDTH: i32 = 2000;
-const LEFT: i32 = 250;
-const RIGHT: i32 = WIDTH - 50;
+/// Of every chart, so that charts below each other can be compared; narrow enough for a phone.
+const WIDTH: i32 = 1500;
+const LEFT: i32 = 220;
+const RIGHT: i32 = WIDTH - 40;
 /// Where the first row of the key stands.
 const KEY_Y: i32 = 148;
 const KEY_ROW: i32 = 56;
 /// Length of a sample in the key, and what parts it from its text.
-const KEY_MARK: i32 = 64;
+const KEY_MARK: i32 = 58;
 const KEY_GAP: i32 = 16;
 /// Between two entries of the key.
-const KEY_SPACE: i32 = 46;
+const KEY_SPACE: i32 = 36;
 /// Above the panel, where marks across it have their numbers.
 const HEADROOM: i32 = 62;
 /// Below the panel.
@@ -133,7 +133,7 @@ impl Chart<'_> {
                 Some(names) => names.clone(),
             };
             let x_ticks = match &self.x_names {
-                None => panel.x.ticks(8),
+                None => panel.x.ticks(7),
                 Some(names) => names.clone(),
             };
             match self.y_names {

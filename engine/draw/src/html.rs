@@ -113,7 +113,7 @@ fn field(field: &Field) -> String {
 }
 
 /// Widths of a sheet for each pixel that it needs at least for its letters to be read.
-const SHEET_PER_PIXEL: f64 = 3.7;
+const SHEET_PER_PIXEL: f64 = 4.2;
 
 /// From `<svg` on, since a declaration has no place within HTML; named for readers that do not see
 /// it, and with the width below which a narrow page rather moves the picture than shrinks it.

@@ -290,7 +290,7 @@ mod tests {
             trial(-1.0, Some(Stopped::Violated), 9.0, true),
             trial(-0.2, None, 9.0, true),
         ];
-        let evaluation = sum_up(trials.iter(), GoalErrors::new(0.2), 2.0);
+        let evaluation = sum_up(trials.iter(), GoalErrors::new(2.0, 0.2), 2.0);
         let found = evaluation.figures;
         assert!((found.mean_reward + 0.35).abs() < 1e-12, "{found:?}");
         assert!(

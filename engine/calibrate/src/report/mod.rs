@@ -66,7 +66,7 @@ pub fn page(input: &CalibrationInput<'_>) -> Result<Vec<Block>, CalibrationPageE
         figure(
             sheet,
             "Readings, regions, mean and ±2 sigma of each channel (rows) and action (columns) over \
-             the joint's range; actions on f_d of the threshold above which safe mode stops.",
+             the joint's range; dashed, the force above which safe mode stops.",
         ),
     ];
     if !input.recordings.is_empty() {

@@ -2,7 +2,7 @@
 
 use pubs_core::Task;
 use pubs_draw::chart::{Chart, Key, Mark};
-use pubs_draw::style::{BAND_EDGE, TRUTH};
+use pubs_draw::style::INK;
 use pubs_draw::{DrawError, action};
 
 use crate::Segment;
@@ -31,6 +31,7 @@ pub(super) fn figure(
     let movements: Vec<_> = task.movements().collect();
     let middle = |lane: usize| movements.len() as f64 - lane as f64 - 0.5;
     let names = movements.iter().enumerate();
+    let first = action(movements.first().map_or(0, |(index, _)| *index));
     let chart = Chart {
         title: "Where readings were taken",
         height: 100 * movements.len() as i32,
@@ -45,8 +46,12 @@ pub(super) fn figure(
                 .collect(),
         ),
         key: vec![
-            Key::new("readings of f_d", Mark::Area, BAND_EDGE),
-            Key::new("regions meet", Mark::Upright, TRUTH),
+            Key::new(
+                "readings of f_d, in the colour of the action",
+                Mark::Area,
+                first,
+            ),
+            Key::new("regions meet", Mark::Upright, INK),
         ],
     };
     let mut shares = Vec::new();
@@ -57,9 +62,9 @@ pub(super) fn figure(
             let filled = filled(task, traces, *index);
             let count = filled.iter().filter(|filled| **filled).count();
             shares.push(format!("{} {count} %", movement.name));
-            for bin in (0..BINS).filter(|&bin| filled[bin]) {
-                let state = |bin: usize| joint.at_fraction(bin as f64 / BINS as f64) * factor;
-                let [start, end] = [bin, bin + 1].map(|edge| panel.x.at(state(edge)));
+            for [from, to] in stretches(&filled) {
+                let state = |edge: usize| joint.at_fraction(edge as f64 / BINS as f64) * factor;
+                let [start, end] = [from, to].map(|edge| panel.x.at(state(edge)));
                 pen.rectangle([start, above], [end, below], action(*index), true)?;
             }
             let own = segments.iter().filter(|segment| {
@@ -67,7 +72,7 @@ pub(super) fn figure(
             });
             for segment in own.filter(|segment| segment.from > joint.lower) {
                 let x = panel.x.at(segment.from * factor);
-                pen.line(&[[x, above - 8], [x, below + 8]], TRUTH, 5)?;
+                pen.line(&[[x, above - 8], [x, below + 8]], INK, 4)?;
             }
         }
         Ok(())
@@ -89,4 +94,31 @@ fn filled(task: &Task, traces: &[Trace], action: usize) -> [bool; BINS] {
         }
     }
     filled
+}
+
+/// First and one past the last bin of each stretch of filled ones.
+fn stretches(filled: &[bool; BINS]) -> Vec<[usize; 2]> {
+    let mut stretches: Vec<[usize; 2]> = Vec::new();
+    for bin in (0..BINS).filter(|&bin| filled[bin]) {
+        match stretches.last_mut() {
+            Some([_, end]) if *end == bin => *end = bin + 1,
+            _ => stretches.push([bin, bin + 1]),
+        }
+    }
+    stretches
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_are_one_stretch() {
+        let mut filled = [false; BINS];
+        for bin in [0, 1, 5, 98, 99] {
+            filled[bin] = true;
+        }
+        assert_eq!(stretches(&filled), [[0, 2], [5, 6], [98, 100]]);
+        assert!(stretches(&[false; BINS]).is_empty());
+    }
 }

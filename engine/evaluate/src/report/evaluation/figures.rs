@@ -2,7 +2,7 @@
 
 use pubs_draw::chart::{Chart, Key, Mark, ends};
 use pubs_draw::document::Figure;
-use pubs_draw::style::{ALARM, BAND_EDGE, BELIEF, FRAME, GOAL_LINE, TRUTH};
+use pubs_draw::style::{ALARM, BAND_EDGE, BELIEF, FRAME, GOAL, GOAL_LINE, TRUTH};
 use pubs_draw::{DrawError, Panel, Pen, RGBColor};
 
 use super::judged::Judged;
@@ -214,6 +214,13 @@ fn goal_errors(number: usize, one: &Judged, errors: &GoalErrors) -> Result<Figur
         .iter()
         .map(|&count| 100.0 * count as f64 / one.trials as f64)
         .collect();
+    let mut key = vec![Key::new("trials that stopped", Mark::Area, BAND_EDGE)];
+    if errors.counts[last] > 0 {
+        key.push(Key::new("farther off than shown", Mark::Area, ALARM));
+    }
+    if errors.tolerance > 0.0 {
+        key.push(Key::new("goal region", Mark::Area, GOAL));
+    }
     let title = format!("Goal error of {number} {}", one.name());
     let x_title = match unit {
         "" => "distance from the goal at the stop".to_owned(),
@@ -225,12 +232,21 @@ fn goal_errors(number: usize, one: &Judged, errors: &GoalErrors) -> Result<Figur
         x_title: &x_title,
         y_title: "trials, %",
         x: [0.0, bin * (last + 1) as f64],
-        y: ends(shares.iter().copied(), [0.0, 1.0]),
+        y: [0.0, ends(shares.iter().copied(), [0.0, 1.0])[1]],
         x_names: None,
         y_names: None,
-        key: Vec::new(),
+        key,
     };
     let svg = chart.svg(|pen, panel| {
+        if errors.tolerance > 0.0 {
+            let end = panel.x.at(errors.tolerance * factor).min(panel.x.end);
+            pen.rectangle(
+                [panel.x.start, panel.y.end],
+                [end, panel.y.start],
+                GOAL,
+                true,
+            )?;
+        }
         for (index, share) in shares.iter().enumerate() {
             let [start, end] = [index, index + 1].map(|edge| panel.x.at(edge as f64 * bin));
             let color = if index == last { ALARM } else { BAND_EDGE };
@@ -241,7 +257,6 @@ fn goal_errors(number: usize, one: &Judged, errors: &GoalErrors) -> Result<Figur
         }
         Ok(())
     })?;
-    let caption =
-        "Of the trials that stopped; the last bar holds all that were farther off as well.";
+    let caption = "Shares of all trials; those that ended without a stop are not among them.";
     Ok(figure(svg, caption))
 }

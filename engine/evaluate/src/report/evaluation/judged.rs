@@ -128,7 +128,7 @@ impl Judged {
             return Err(NotJudged(format!("{count} of {} trials", self.trials)));
         }
         match &self.goal_errors {
-            Some(errors) if errors.counts.len() < 2 || errors.bin.is_nan() || errors.bin <= 0.0 => {
+            Some(errors) if !errors.is_drawable() => {
                 Err(NotJudged("\"goal_errors\" has no bins".to_owned()))
             }
             _ => Ok(()),

@@ -90,7 +90,7 @@ fn joint_state(story: &Story<'_>) -> Result<Picture, DrawError> {
     };
     let mut chart = Chart {
         y: ends(truth.iter().filter_map(|(_, truth)| *truth), limits),
-        ..chart(story, "Joint state", 780, &y_title)
+        ..chart(story, "Joint state", 640, &y_title)
     };
     let mut key = vec![
         Key::new("believed mean", Mark::Line(LINE), BELIEF),
@@ -166,7 +166,7 @@ fn force_along(story: &Story<'_>, expected: Option<&Expected>) -> Result<Picture
         .chain(threshold);
     let mut chart = Chart {
         y: ends(values, [0.0, 1.0]),
-        ..chart(story, "Force along the motion", 600, "f_d, N")
+        ..chart(story, "Force along the motion", 500, "f_d, N")
     };
     let mut key = vec![Key::new("felt", Mark::Line(LINE), TRUTH)];
     if !bands.is_empty() {
@@ -206,7 +206,7 @@ fn forces_across(story: &Story<'_>) -> Result<Picture, DrawError> {
     let values = felt.iter().flat_map(|(_, [_, f_z, f_n])| [*f_z, *f_n]);
     let mut chart = Chart {
         y: ends(values, [0.0, 1.0]),
-        ..chart(story, "Forces across the motion", 430, "force, N")
+        ..chart(story, "Forces across the motion", 380, "force, N")
     };
     let key = [
         Key::new("f_z upwards", Mark::Line(LINE), BELIEF),

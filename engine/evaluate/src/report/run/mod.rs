@@ -112,7 +112,7 @@ fn headline(recording: &RunRecording, story: &Story<'_>) -> String {
     let reached = |goal: &&pubs_run::GoalReport| goal.outcome == Outcome::Reached;
     let count = report.goals.iter().filter(reached).count();
     format!(
-        "{}: {count} of {} goals reached in {} s {clock}.",
+        "Outcome: {}; {count} of {} goals reached in {} s {clock}.",
         tables::outcome(report.outcome),
         recording.run.goals.len(),
         decimal(report.time_s, 2),

@@ -83,7 +83,7 @@ fn joint_state(story: &Story<'_>) -> Result<Picture, DrawError> {
     let joint = &story.task.joint;
     let limits = [joint.lower, joint.upper].map(|limit| limit * story.factor);
     let truth = story.truth();
-    let run = &story.recording.run;
+    let regions = regions(story);
     let y_title = match story.unit {
         "" => "joint state".to_owned(),
         unit => format!("joint state, {unit}"),
@@ -104,23 +104,23 @@ fn joint_state(story: &Story<'_>) -> Result<Picture, DrawError> {
     }
     chart.key.splice(0..0, key);
     let svg = chart.svg(|pen, panel| {
-        for (index, [from, to]) in story.goals() {
-            let Some(&(goal, _)) = run.goals.get(index) else {
-                continue;
-            };
-            let edge = |side: f64| {
-                let state = goal + side * run.goal_tolerance;
-                panel
-                    .y
-                    .at(state.clamp(joint.lower, joint.upper) * story.factor)
-            };
-            let [start, end] = [from, to].map(|time_s| panel.x.at(time_s));
-            pen.rectangle([start, edge(1.0)], [end, edge(-1.0)], GOAL, true)?;
-            let middle = panel.y.at(goal * story.factor);
-            pen.line(&[[start, middle], [end, middle]], GOAL_LINE, FINE)?;
+        for region in &regions {
+            pen.rectangle(
+                [panel.x.at(region.time_s[0]), panel.y.at(region.edges[1])],
+                [panel.x.at(region.time_s[1]), panel.y.at(region.edges[0])],
+                GOAL,
+                true,
+            )?;
         }
         band(pen, panel, story.between([0.05, 0.95]), BAND)?;
         band(pen, panel, story.between([0.25, 0.75]), BAND_INNER)?;
+        // The outline is seen where the belief lies over the region.
+        for region in &regions {
+            let [start, end] = region.time_s.map(|time_s| panel.x.at(time_s));
+            for y in region.edges.map(|edge| panel.y.at(edge)) {
+                pen.line(&[[start, y], [end, y]], GOAL_LINE, 3)?;
+            }
+        }
         for limit in limits {
             let y = panel.y.at(limit);
             pen.dashes([panel.x.start, y], panel.x.end, FRAME, 3)?;
@@ -135,6 +135,27 @@ fn joint_state(story: &Story<'_>) -> Result<Picture, DrawError> {
          the recording keeps, and where each goal is met while it is pursued. Closed is at the \
          bottom.",
     ))
+}
+
+/// Where a goal is met, and while which it is pursued.
+struct Region {
+    time_s: [f64; 2],
+    /// Lower and upper, in the shown unit.
+    edges: [f64; 2],
+}
+
+fn regions(story: &Story<'_>) -> Vec<Region> {
+    let (joint, run) = (&story.task.joint, &story.recording.run);
+    let region = |(index, time_s): (usize, [f64; 2])| {
+        let &(goal, _) = run.goals.get(index)?;
+        let edge = |side: f64| goal + side * run.goal_tolerance;
+        let edges = [-1.0, 1.0].map(edge);
+        Some(Region {
+            time_s,
+            edges: edges.map(|edge| edge.clamp(joint.lower, joint.upper) * story.factor),
+        })
+    };
+    story.goals().into_iter().filter_map(region).collect()
 }
 
 fn entropy(story: &Story<'_>) -> Result<Picture, DrawError> {

@@ -99,7 +99,7 @@ fn goals(story: &Story<'_>, goals: &[GoalReport]) -> Table {
     let joint = &story.task.joint;
     let mut table = Table::new(&[
         "goal",
-        "",
+        "at",
         "outcome",
         "judged by",
         "time, s",

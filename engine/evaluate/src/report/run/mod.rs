@@ -62,6 +62,10 @@ pub fn page(input: &RunInput<'_>) -> Result<Vec<Block>, DrawError> {
         Block::Paragraph(headline(recording, &story)),
     ];
     page.extend(missing(recording).into_iter().map(Block::Notice));
+    for stop in &recording.guard_stops {
+        let reason = format!("The guard stopped the arm: {}", stop.reason);
+        page.push(Block::Notice(reason));
+    }
     page.extend(trouble.map(Block::Notice));
     page.push(Block::Heading("Figures".to_owned()));
     for picture in figures::pictures(&story, expected.as_ref())? {

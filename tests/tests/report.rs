@@ -161,7 +161,10 @@ fn the_page_of_a_run_has_the_numbers_of_the_run() {
         ("safety violations", ran["safety_violations"].to_string()),
         ("stops by the guard", ran["guard_stops"].to_string()),
         ("seed", "1".to_owned()),
-        ("overrides", "control.acceleration_m_s2=0.8".to_owned()),
+        (
+            "overrides",
+            "--set control.acceleration_m_s2=0.8".to_owned(),
+        ),
     ];
     for (name, expected) in pairs {
         assert_eq!(row(&page, name)[1], expected, "{name}");

@@ -292,6 +292,29 @@ mod tests {
     }
 
     #[test]
+    fn a_trace_stands_where_its_values_say() {
+        let chart = Chart {
+            title: "",
+            height: 400,
+            x_title: "",
+            y_title: "",
+            x: [0.0, 2.0],
+            y: [-1.0, 1.0],
+            x_names: None,
+            y_names: None,
+            key: Vec::new(),
+        };
+        let points = [(0.0, Some(-1.0)), (1.0, Some(0.0)), (2.0, Some(1.0))];
+        let svg = chart.svg(|pen, panel| trace(pen, panel, points, INK, 7));
+        let [bottom, middle, top] = [582, 382, 182];
+        let stroke = format!("points=\"{LEFT},{bottom} 840,{middle} {RIGHT},{top} \"");
+        assert!(
+            svg.clone().is_ok_and(|svg| svg.contains(&stroke)),
+            "{svg:?}"
+        );
+    }
+
+    #[test]
     fn a_missing_value_breaks_the_stroke() {
         let points = [
             (0.0, None),

@@ -1,6 +1,7 @@
-//! What the project's pictures have in common: strokes and letters on an SVG ([`Pen`]), scales
-//! ([`Axis`]), sheets and panels ([`sheet()`], [`Panel`]), sizes and colours ([`style`]), and the way to
-//! pixels ([`png`]); [`chart`]s are put together of them. Pages that show them are made of [`document`]s, written by [`html()`].
+//! What the project's pictures and pages have in common: strokes and letters on an SVG ([`Pen`]),
+//! scales ([`Axis`]), sheets and panels ([`sheet()`], [`Panel`]), sizes and colours ([`style`]),
+//! and the way to pixels ([`png`]); [`chart`]s are put together of them. Pages that show them are
+//! made of [`document`]s, written by [`html()`].
 //!
 //! Lengths are in 1/300 inch. The same strokes give the same bytes on any machine: the typeface
 //! is carried along.

@@ -4,7 +4,8 @@
 //! cores, and sums them up as an [`Evaluation`]; the number of threads never changes a figure.
 //! [`train_best`] trains a policy with several seeds and keeps the one that does best on common
 //! trials, and [`expected_of`] says what an object asks of a policy. [`trial`] is one trial, [`statistics`] its sums.
-//! [`reproduce`] is the paper's evaluation as a whole.  [`report`] writes pages on what was done.
+//! [`reproduce`] is the paper's evaluation as a whole. [`report`] makes pages on runs,
+//! trainings and evaluations.
 
 mod alpha_decider;
 mod asked;

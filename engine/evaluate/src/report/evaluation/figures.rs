@@ -17,6 +17,9 @@ const LEAST: i32 = 200;
 /// A point and the interval around it.
 type Whisker = (f64, [f64; 2]);
 
+/// How many trials ended in one way, where the JSON says so.
+type Count = fn(&Judged) -> Option<u64>;
+
 pub(super) fn figures(judged: &[Judged]) -> Result<Vec<Figure>, DrawError> {
     let mut figures = Vec::new();
     if judged.iter().any(|one| one.success_rate.is_some()) {
@@ -168,7 +171,7 @@ fn rewards(judged: &[Judged]) -> Result<Figure, DrawError> {
 fn endings(judged: &[Judged]) -> Result<Figure, DrawError> {
     /// Share of a lane that is filled.
     const FILLED: f64 = 0.6;
-    let kinds: [(&str, RGBColor, fn(&Judged) -> Option<u64>); 4] = [
+    let kinds: [(&str, RGBColor, Count); 4] = [
         ("in the goal region", GOAL_LINE, Judged::successes),
         ("stopped elsewhere", TRUTH, |one| one.failed_stops),
         ("safety violation", ALARM, |one| one.safety_violations),

@@ -57,7 +57,7 @@ fn chart<'a>(
     least: Option<[f64; 2]>,
 ) -> Chart<'a> {
     let all = || {
-        let values = curves.seeds.iter().flat_map(move |curve| values(curve));
+        let values = curves.seeds.iter().flat_map(values);
         values
             .flatten()
             .map(move |&value| f64::from(value) * factor)

@@ -9,7 +9,7 @@ use std::process::Stdio;
 use std::sync::OnceLock;
 use std::time::Duration;
 
-use common::{Answer, command, door2, door2_policy, path_text, pubs, words};
+use common::{Answer, all, command, door2, door2_policy, forgive, path_text, pubs, words};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -43,15 +43,6 @@ fn folder() -> TempDir {
     tempfile::tempdir().unwrap()
 }
 
-/// Start of each occurrence.
-fn all(bytes: &[u8], mark: &str) -> Vec<usize> {
-    let windows = bytes.windows(mark.len()).enumerate();
-    windows
-        .filter(|(_, window)| *window == mark.as_bytes())
-        .map(|(at, _)| at)
-        .collect()
-}
-
 /// The whole number that follows the last whole occurrence of `mark`.
 fn last_number(bytes: &[u8], mark: &str) -> u64 {
     let number = |at: &usize| {
@@ -60,22 +51,6 @@ fn last_number(bytes: &[u8], mark: &str) -> u64 {
         std::str::from_utf8(&rest[..length]).ok()?.parse().ok()
     };
     all(bytes, mark).iter().rev().find_map(number).unwrap_or(0)
-}
-
-/// Takes the checksum off the chunk around `at` (0 stands for none), so that a changed value in it
-/// passes for one that was recorded.
-fn forgive(bytes: &mut [u8], at: usize) {
-    let mut position = 8;
-    loop {
-        let length = u64::from_le_bytes(bytes[position + 1..position + 9].try_into().unwrap());
-        let next = position + 9 + length as usize;
-        if next > at {
-            assert_eq!(bytes[position], 6, "a chunk holds the value");
-            bytes[position + 33..position + 37].fill(0);
-            return;
-        }
-        position = next;
-    }
 }
 
 #[test]

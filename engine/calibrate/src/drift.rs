@@ -23,10 +23,13 @@ mod shift;
 mod spread;
 mod verdict;
 
+use pubs_core::Task;
 use serde::Serialize;
 
+use crate::calibration::samples;
 use crate::object_text::StateUnit;
 use crate::stored::Stored;
+use crate::traces::Trace;
 use crate::{Channel, Segment};
 use spread::Demonstrations;
 
@@ -99,6 +102,25 @@ pub struct Drift {
     pub cause: Option<Cause>,
     /// All of this in a sentence, with what to do.
     pub verdict: String,
+}
+
+/// Compares all that was felt, action by action and channel by channel, with [`drift`].
+pub fn drifts(task: &Task, stored: &[Segment], traces: &[Trace]) -> Vec<Drift> {
+    let unit = StateUnit::of(&task.joint);
+    let sample = |(state, value, demonstration)| Sample {
+        state,
+        value,
+        demonstration,
+    };
+    task.movements()
+        .flat_map(|(index, action)| {
+            Channel::ALL.map(|channel| {
+                let readings = samples(task, traces, index, channel).into_iter();
+                let readings: Vec<Sample> = readings.map(sample).collect();
+                drift(stored, &action.name, channel, &readings, unit)
+            })
+        })
+        .collect()
 }
 
 /// Compares the readings of one action and channel with what `stored` says of it. Readings that

@@ -6,7 +6,8 @@
 //! wrap the two numerical crates, `curve` fits one force channel, `motion` counts m_p.
 //! [`calibration`] is the whole of it, [`spread`] judges by holding pulls out whether the belief is
 //! honest, [`survey`] does so for tables of measured doors ([`pulls`]), [`drift`] says whether a
-//! stored model still holds. [`object_text`] edits the object file, [`plot`] draws.
+//! stored model still holds. [`object_text`] edits the object file, [`plot`] draws, [`report`] makes
+//! a page of all this.
 
 pub mod calibration;
 pub mod changepoints;
@@ -25,6 +26,7 @@ mod overlay;
 pub mod plot;
 pub mod pulls;
 pub mod record;
+pub mod report;
 pub mod segment;
 mod segment_model;
 pub mod smoothing;

@@ -73,3 +73,29 @@ pub enum Values {
         probability: f64,
     },
 }
+
+impl Values {
+    /// Mean forces, N, or the probability.
+    pub fn means(&self) -> &[f64] {
+        match self {
+            Self::Force { mean_n, .. } => mean_n,
+            Self::Moves { probability } => std::slice::from_ref(probability),
+        }
+    }
+
+    /// Sigmas, N; m_p has none.
+    pub fn sigmas(&self) -> &[f64] {
+        match self {
+            Self::Force { sigma_n, .. } => sigma_n,
+            Self::Moves { .. } => &[],
+        }
+    }
+}
+
+/// Least and greatest; `None` of nothing.
+pub fn extent(values: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
+    values.into_iter().fold(None, |extent, value| {
+        let [low, high] = extent.unwrap_or([value; 2]);
+        Some([low.min(value), high.max(value)])
+    })
+}

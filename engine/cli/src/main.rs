@@ -61,6 +61,8 @@ enum Verb {
     Train(verbs::train::Arguments),
     /// Judge a policy by many simulated trials
     Evaluate(verbs::evaluate::Arguments),
+    /// Make one page of a run, a training, an evaluation or a calibration
+    Report(verbs::report::Arguments),
     /// Run the paper's evaluation and report it beside the paper's numbers
     Reproduce(verbs::reproduce::Arguments),
     /// Solve a discrete POMDP
@@ -92,6 +94,7 @@ fn main() -> ExitCode {
         Verb::Survey(arguments) => verbs::survey::run(&arguments),
         Verb::Train(arguments) => verbs::train::run(&arguments),
         Verb::Evaluate(arguments) => verbs::evaluate::run(&arguments),
+        Verb::Report(arguments) => verbs::report::run(&arguments),
         Verb::Reproduce(arguments) => verbs::reproduce::run(&arguments),
         Verb::Solve(arguments) => verbs::solve::run(&arguments),
         Verb::Plugins(arguments) => verbs::plugins::run(&arguments),

@@ -101,7 +101,17 @@ pub fn without_model(
     overrides: &Overrides,
     registry: &Registry,
 ) -> Result<(LoadedObject, Arc<Task>), Failure> {
-    let loaded = object::load(path, overrides)?;
+    without_model_of(object::load(path, overrides)?, registry)
+}
+
+/// The same of a file that has been read.
+///
+/// # Errors
+/// As [`without_model`].
+pub fn without_model_of(
+    loaded: LoadedObject,
+    registry: &Registry,
+) -> Result<(LoadedObject, Arc<Task>), Failure> {
     let task = compile(&loaded.file).map_err(|error| Failure::fault(&error))?;
     let faults = driver_faults(&loaded, &task, registry);
     if !faults.is_empty() {

@@ -6,8 +6,10 @@ use std::sync::Mutex;
 use std::sync::PoisonError;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use pubs_evaluate::{Candidate, Evaluation, TrainBestError, TrainingPlan, train_best};
-use pubs_policy::{Existing, ExportError, Runtime};
+use pubs_evaluate::{
+    Candidate, Evaluation, LearningCurves, TrainBestError, TrainingPlan, train_best,
+};
+use pubs_policy::{Existing, ExportError, PolicyFile, Runtime};
 use pubs_train::Progress;
 
 use crate::failure::Failure;
@@ -63,11 +65,31 @@ pub fn train(
     );
     bar.finish_and_clear();
     let (candidates, best, evaluation) = result.map_err(failure)?;
-    Ok(TrainingResult {
+    let result = TrainingResult {
         candidates,
         best,
         evaluation,
-    })
+    };
+    keep_curves(path, &result)?;
+    Ok(result)
+}
+
+/// Puts the learning curves beside the policy; a policy is of use without them.
+fn keep_curves(path: &Path, result: &TrainingResult) -> Result<(), Failure> {
+    let file = PolicyFile::read(path).map_err(|error| Failure::fault(&error))?;
+    let TrainingResult {
+        candidates,
+        best,
+        evaluation,
+    } = result;
+    let curves = LearningCurves::of(file.sha256(), candidates, *best, evaluation);
+    if let Err(error) = curves.write(path) {
+        show::say(&format!(
+            "warning: the learning curves cannot be kept in {}: {error}",
+            LearningCurves::file_of(path).display()
+        ));
+    }
+    Ok(())
 }
 
 fn failure(error: TrainBestError) -> Failure {

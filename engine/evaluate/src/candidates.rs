@@ -64,6 +64,13 @@ pub struct Candidate {
     trained: TrainedSeed,
 }
 
+impl Candidate {
+    /// How its training stood on the way.
+    pub fn curve(&self) -> &[Progress] {
+        &self.trained.curve
+    }
+}
+
 /// Why no policy came out.
 #[derive(Debug, thiserror::Error)]
 pub enum TrainBestError {

@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::decider::{Decider, NetworkDecider};
+use crate::goal_errors::GoalErrors;
 use crate::statistics::Sample;
 use crate::trial::{BATCH, Trial, TrialError, TrialOptions, run_batch};
 
@@ -82,6 +83,8 @@ pub struct Evaluation {
     pub figures: Figures,
     /// Trials in which the belief's recovery rule acted.
     pub recovered_trials: u64,
+    /// How the goal errors of the trials that stopped are spread.
+    pub goal_errors: GoalErrors,
     /// The vector unit on which the last bits depend.
     pub vector_unit: String,
     /// Wall time, s.
@@ -202,11 +205,16 @@ pub fn evaluate(
     };
     Ok(sum_up(
         trials.iter().flatten(),
+        GoalErrors::of(task),
         begun.elapsed().as_secs_f64(),
     ))
 }
 
-fn sum_up<'t>(trials: impl Iterator<Item = &'t Trial>, time_s: f64) -> Evaluation {
+fn sum_up<'t>(
+    trials: impl Iterator<Item = &'t Trial>,
+    mut goal_errors: GoalErrors,
+    time_s: f64,
+) -> Evaluation {
     let (mut reward, mut discounted, mut steps) =
         (Sample::default(), Sample::default(), Sample::default());
     let (mut goal_error, mut covered) = (Sample::default(), Sample::default());
@@ -227,6 +235,7 @@ fn sum_up<'t>(trials: impl Iterator<Item = &'t Trial>, time_s: f64) -> Evaluatio
         recovered += u64::from(trial.recoveries > 0);
         if matches!(trial.stopped, Some(Stopped::Reached | Stopped::Missed)) {
             goal_error.add(trial.goal_error);
+            goal_errors.add(trial.goal_error);
         }
         *match trial.stopped {
             Some(Stopped::Reached) => &mut reached,
@@ -253,6 +262,7 @@ fn sum_up<'t>(trials: impl Iterator<Item = &'t Trial>, time_s: f64) -> Evaluatio
     Evaluation {
         figures,
         recovered_trials: recovered,
+        goal_errors,
         vector_unit: VectorUnit::best().to_string(),
         time_s,
         trials_per_s: count as f64 / time_s,
@@ -280,7 +290,7 @@ mod tests {
             trial(-1.0, Some(Stopped::Violated), 9.0, true),
             trial(-0.2, None, 9.0, true),
         ];
-        let evaluation = sum_up(trials.iter(), 2.0);
+        let evaluation = sum_up(trials.iter(), GoalErrors::new(2.0, 0.2), 2.0);
         let found = evaluation.figures;
         assert!((found.mean_reward + 0.35).abs() < 1e-12, "{found:?}");
         assert!(
@@ -298,6 +308,11 @@ mod tests {
         assert_eq!(
             (found.safety_violations, found.time_outs, found.failed_stops),
             (1, 1, 1)
+        );
+        let counts = &evaluation.goal_errors.counts;
+        assert_eq!(
+            (counts[0], counts[2], counts.iter().sum::<u64>()),
+            (1, 1, 2)
         );
         let error = found.mean_goal_error.unwrap_or(f64::NAN);
         assert!(

@@ -21,6 +21,8 @@ pub struct TrainedSeed {
     pub network: Network,
     /// Steps, time and the latest episodes.
     pub progress: Progress,
+    /// How it stood on the way.
+    pub curve: Vec<Progress>,
     /// Share of the time spent on gradient steps, s.
     pub learning_s: f64,
 }
@@ -87,6 +89,7 @@ pub fn train_seed(
         return Ok(TrainedSeed {
             network: network(Vec::new(), trained.policy.layers()),
             progress: trained.progress,
+            curve: trained.curve,
             learning_s: trained.learning_s,
         });
     }
@@ -94,6 +97,7 @@ pub fn train_seed(
     Ok(TrainedSeed {
         network: network(trained.policy.lstm_layers(), trained.policy.dense_layers()),
         progress: trained.progress,
+        curve: trained.curve,
         learning_s: trained.learning_s,
     })
 }

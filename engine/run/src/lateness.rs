@@ -1,6 +1,6 @@
 //! How late a loop's ticks were.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Lateness of every tick so far.
 #[derive(Debug, Clone)]
@@ -11,7 +11,7 @@ pub struct Lateness {
 }
 
 /// What the summary of a run shows of one loop.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct LatenessSummary {
     /// Half the ticks were at most this late.
     pub p50_us: u32,

@@ -23,7 +23,7 @@ pub enum Outcome {
 }
 
 /// Whose word the outcome rests on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum JudgedBy {
     /// The true joint state, which a virtual world tells.
@@ -33,7 +33,7 @@ pub enum JudgedBy {
 }
 
 /// Mean (rad, m or plain) and entropy (0 to 1).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct BeliefReport {
     /// μ of eq. (9).
     pub mean: f64,
@@ -42,7 +42,7 @@ pub struct BeliefReport {
 }
 
 /// One goal of a run. States in rad or m.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GoalReport {
     /// How it ended.
     pub outcome: Outcome,
@@ -65,7 +65,7 @@ pub struct GoalReport {
 }
 
 /// Lateness of the three loops.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct LatenessReport {
     /// 100 Hz.
     pub controller: LatenessSummary,
@@ -76,7 +76,7 @@ pub struct LatenessReport {
 }
 
 /// A whole run. The fields of the last goal stand at the top.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunReport {
     /// Name of the object.
     pub object: String,

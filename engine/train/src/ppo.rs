@@ -25,6 +25,9 @@ pub(crate) const VALUE_GAIN: f64 = 1.0;
 /// Least time between two calls of the progress callback.
 const REPORT_EVERY: Duration = Duration::from_millis(250);
 
+/// Points of a learning curve, at most about.
+const CURVE_POINTS: usize = 200;
+
 /// What to train, and how.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
@@ -51,6 +54,8 @@ pub struct Trained {
     pub value: Vec<DenseLayer>,
     /// How it stood at the end, with steps and time.
     pub progress: Progress,
+    /// How it stood on the way, at about 200 even steps.
+    pub curve: Vec<Progress>,
     /// Time spent with environments and drawing actions, s.
     pub rollout_s: f64,
     /// Time spent on gradient steps, s.
@@ -76,6 +81,7 @@ pub fn train<E: Environments>(
         value: learner.value.network.export(),
         policy: Policy::new(learner.policy.network, settings.scaling.clone()),
         progress: run.progress,
+        curve: run.curve,
         rollout_s: run.rollout_s,
         learning_s: run.learning_s,
         unit: settings.unit,
@@ -85,6 +91,7 @@ pub fn train<E: Environments>(
 /// How a training went.
 pub(crate) struct Run {
     pub(crate) progress: Progress,
+    pub(crate) curve: Vec<Progress>,
     pub(crate) rollout_s: f64,
     pub(crate) learning_s: f64,
 }
@@ -107,6 +114,8 @@ pub(crate) fn run<E: Environments>(
     let start = Instant::now();
     let mut last_report = start;
     let mut learning = Duration::ZERO;
+    let updates_per_point = recipe.updates().div_ceil(CURVE_POINTS);
+    let mut curve = Vec::new();
 
     for update in 0..recipe.updates() {
         let steps = update * rollout.samples();
@@ -136,6 +145,9 @@ pub(crate) fn run<E: Environments>(
         learning += learning_start.elapsed();
 
         let last = steps == total_steps;
+        if last || (update + 1) % updates_per_point == 0 {
+            curve.push(episodes.progress(steps, total_steps, start.elapsed().as_secs_f64()));
+        }
         if last || last_report.elapsed() >= REPORT_EVERY {
             last_report = Instant::now();
             let progress = episodes.progress(steps, total_steps, start.elapsed().as_secs_f64());
@@ -149,6 +161,7 @@ pub(crate) fn run<E: Environments>(
     let learning_s = learning.as_secs_f64();
     Ok(Run {
         progress: episodes.progress(total_steps, total_steps, time_s),
+        curve,
         rollout_s: time_s - learning_s,
         learning_s,
     })

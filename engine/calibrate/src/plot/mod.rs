@@ -6,6 +6,7 @@
 mod curve;
 mod error;
 mod legend;
+mod object;
 mod panel;
 mod scale;
 mod sheet;
@@ -13,6 +14,7 @@ mod style;
 mod thin;
 
 pub use error::PlotError;
+pub use object::{Readings, picture, readings, subtitle};
 pub use pubs_draw::png;
 pub use sheet::svg;
 

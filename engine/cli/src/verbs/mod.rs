@@ -11,6 +11,7 @@ pub mod plot;
 pub mod plugin_check;
 pub mod plugins;
 pub mod replay;
+pub mod report;
 pub mod reproduce;
 pub mod run;
 pub mod solve;

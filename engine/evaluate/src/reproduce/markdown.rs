@@ -1,6 +1,6 @@
 //! A report in Markdown; figures stand in files beside it.
 
-use super::document::{Block, Field, Figure, Table};
+use pubs_draw::document::{Block, Field, Figure, Table};
 
 /// Writes the parts down.
 pub(super) fn markdown(blocks: &[Block]) -> String {
@@ -19,6 +19,10 @@ fn block(block: &Block) -> String {
             .map(|item| format!("- {}\n", escaped(item)))
             .collect(),
         Block::Table(found) => table(found),
+        Block::Notice(text) => format!("**{}**\n", escaped(text)),
+        Block::Details(found) => {
+            format!("{}\n\n```\n{}\n```\n", escaped(&found.summary), found.text)
+        }
         Block::Command(text) => format!("```\n{text}\n```\n"),
         Block::Figure(Figure { file, caption, .. }) => {
             format!("![{0}]({file})\n\n*{0}*\n", escaped(caption))

@@ -9,14 +9,12 @@
 pub mod brief;
 pub mod cell;
 pub mod choices;
-mod document;
-mod figures;
+pub(crate) mod figures;
 pub mod frequency;
 pub mod heatmap;
-mod html;
 mod markdown;
 pub mod matrix;
-mod numbers;
+pub(crate) mod numbers;
 pub mod paper;
 pub mod plan;
 pub mod report;

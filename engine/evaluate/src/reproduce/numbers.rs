@@ -4,13 +4,13 @@ use super::matrix::Format;
 use super::paper::Estimate;
 
 /// Stands for a cell that has not been run.
-pub(super) const NOT_RUN: &str = "not run";
+pub(crate) const NOT_RUN: &str = "not run";
 
 /// Stands where there is nothing to say.
-pub(super) const NOTHING: &str = "\u{2013}";
+pub(crate) const NOTHING: &str = "\u{2013}";
 
 /// With so many decimals; a true minus sign, and none before zero.
-pub(super) fn decimal(value: f64, decimals: usize) -> String {
+pub(crate) fn decimal(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
         Some(size)
@@ -26,7 +26,7 @@ pub(super) fn decimal(value: f64, decimals: usize) -> String {
 }
 
 /// With its sign.
-pub(super) fn signed(value: f64, decimals: usize) -> String {
+pub(crate) fn signed(value: f64, decimals: usize) -> String {
     let text = decimal(value, decimals);
     let rounded = text.parse().unwrap_or(-1.0);
     if rounded > 0.0 {
@@ -37,12 +37,12 @@ pub(super) fn signed(value: f64, decimals: usize) -> String {
 }
 
 /// A share in percent.
-pub(super) fn percent(share: f64) -> String {
+pub(crate) fn percent(share: f64) -> String {
     format!("{} %", decimal(100.0 * share, 2))
 }
 
 /// Mean ± standard error; the mean alone where the error is not known.
-pub(super) fn estimate(value: Estimate, format: Format) -> String {
+pub(crate) fn estimate(value: Estimate, format: Format) -> String {
     match format {
         Format::Percent => percent(value.mean),
         Format::Decimals(mean, _) if value.se.is_nan() => decimal(value.mean, mean),
@@ -57,7 +57,7 @@ pub(super) fn estimate(value: Estimate, format: Format) -> String {
 }
 
 /// Without an error.
-pub(super) fn mean(value: f64, format: Format) -> String {
+pub(crate) fn mean(value: f64, format: Format) -> String {
     match format {
         Format::Percent => percent(value),
         Format::Decimals(decimals, _) => decimal(value, decimals),
@@ -65,7 +65,7 @@ pub(super) fn mean(value: f64, format: Format) -> String {
 }
 
 /// A difference of two means.
-pub(super) fn difference(value: f64, format: Format) -> String {
+pub(crate) fn difference(value: f64, format: Format) -> String {
     match format {
         Format::Percent => format!("{} points", signed(100.0 * value, 2)),
         Format::Decimals(decimals, _) => signed(value, decimals),
@@ -73,7 +73,7 @@ pub(super) fn difference(value: f64, format: Format) -> String {
 }
 
 /// A duration in the unit that suits it.
-pub(super) fn duration(seconds: f64) -> String {
+pub(crate) fn duration(seconds: f64) -> String {
     if seconds < 60.0 {
         format!("{} s", decimal(seconds, 1))
     } else if seconds < 3600.0 {

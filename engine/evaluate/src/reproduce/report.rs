@@ -7,13 +7,13 @@ use pubs_draw::DrawError;
 
 use super::brief::brief;
 use super::cell::{Cell, CellResult, Unit};
-use super::document::{Block, Figure, Table};
 use super::heatmap::{PICTURES, heatmap_id};
-use super::html::html;
 use super::markdown::markdown;
 use super::numbers::{NOT_RUN, NOTHING, duration};
 use super::results::Results;
 use super::{figures, frequency, paper, sections, tables, violations};
+use pubs_draw::document::{Block, Figure, Table};
+use pubs_draw::html;
 
 /// What the report says of itself.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,7 +2,6 @@
 
 use super::cell::GoalName;
 use super::choices::CHOICES;
-use super::document::{Block, Field, Table};
 use super::frequency::{self, Point};
 use super::matrix::{Entry, Format, Matrix, Ours, Row};
 use super::numbers::{
@@ -13,6 +12,7 @@ use super::results::Results;
 use super::tables::{self, SOLVERS};
 use super::transfer::{self, TransferRow};
 use super::violations::{Count, Violations};
+use pubs_draw::document::{Block, Field, Table};
 
 /// A goal as the paper writes it.
 pub(super) fn goal_name(goal: GoalName) -> &'static str {

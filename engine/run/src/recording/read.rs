@@ -9,6 +9,7 @@ use mcap::MAGIC;
 use super::join::{Joined, join};
 use super::records::{Contents, End, contents};
 use super::topic::Topic;
+use super::write::OBJECT_ATTACHMENT;
 use super::{FORMAT_VERSION, Header, METADATA, RUN_FORMAT_VERSION, Recording, RecordingError};
 
 /// Reads a recording. Of a file that is cut off or damaged everything readable is returned, and
@@ -28,6 +29,19 @@ pub fn read(file: &Path) -> Result<Recording, RecordingError> {
         frames: joined.frames,
         done: joined.done,
     })
+}
+
+/// The object file as it was when the recording was made; `None` where it is damaged or cut off.
+///
+/// # Errors
+/// Where the file cannot be read, or is no MCAP file.
+pub fn object_toml(file: &Path) -> Result<Option<String>, RecordingError> {
+    let bytes = bytes_of(file)?;
+    let text = contents(&bytes)
+        .attachments
+        .get(OBJECT_ATTACHMENT)
+        .map(|bytes| bytes.to_vec());
+    Ok(text.and_then(|text| String::from_utf8(text).ok()))
 }
 
 /// The bytes of an MCAP file.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::message::Time;
-use super::steps::{BINS, BeliefStep, Choice, ChoiceVerdict, Limits, Tick};
+use super::steps::{BINS, BeliefStep, Choice, ChoiceVerdict, GuardStop, Limits, Tick};
 use crate::messages::BeliefMessage;
 
 #[derive(Serialize, Deserialize)]
@@ -226,4 +226,19 @@ impl LimitsMessage {
 pub(super) struct DroppedMessage {
     pub timestamp: Time,
     pub entries: u64,
+}
+
+#[derive(Deserialize)]
+pub(super) struct GuardIn {
+    timestamp: Time,
+    reason: String,
+}
+
+impl GuardIn {
+    pub fn stop(self) -> GuardStop {
+        GuardStop {
+            time_ns: self.timestamp.ns(),
+            reason: self.reason,
+        }
+    }
 }

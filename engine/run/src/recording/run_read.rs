@@ -8,11 +8,13 @@ use super::error::BadMessage;
 use super::read::{bytes_of, frames, header_of, loss};
 use super::records::{Contents, RawMessage, contents};
 use super::run_header::RunHeader;
-use super::run_message::{BeliefJson, ControllerMessage, DroppedMessage, PolicyMessage};
-use super::run_write::{RESOLVED_ATTACHMENT, policy_attachment};
-use super::steps::{BeliefStep, Choice, Tick};
+use super::run_message::{BeliefJson, ControllerMessage, DroppedMessage, GuardIn, PolicyMessage};
+use super::run_write::{REPORT_ATTACHMENT, RESOLVED_ATTACHMENT, policy_attachment};
+use super::steps::{BeliefStep, Choice, GuardStop, Tick};
 use super::topic::Topic;
+use super::write::OBJECT_ATTACHMENT;
 use super::{FORMAT_VERSION, Frame, Header, Observation, RUN_FORMAT_VERSION, RecordingError};
+use crate::report::RunReport;
 
 /// The recording of a run, read back.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,6 +23,8 @@ pub struct RunRecording {
     pub header: Header,
     /// How the run was set up.
     pub run: RunHeader,
+    /// The object file as it was; `None` where it is damaged.
+    pub object_toml: Option<String>,
     /// The object file with defaults and overrides in it.
     pub resolved_toml: String,
     /// Bytes of the policies, in the order of [`RunHeader::policies`].
@@ -31,6 +35,10 @@ pub struct RunRecording {
     pub beliefs: Vec<BeliefStep>,
     /// Steps of the policy, in order.
     pub choices: Vec<Choice>,
+    /// When the guard stopped the arm, and why.
+    pub guard_stops: Vec<GuardStop>,
+    /// What the run gave back; `None` where the file ends before it, or another version wrote it.
+    pub report: Option<RunReport>,
     /// Entries that were dropped because the disk was too slow.
     pub dropped: u64,
     /// What was lost, in words for the user, where the file is cut off or damaged.
@@ -65,6 +73,7 @@ pub fn read_run(file: &Path) -> Result<RunRecording, RecordingError> {
         let found = contents.attachments.get(name).map(|bytes| bytes.to_vec());
         found.ok_or_else(|| lacks(format!("the attachment {name}")))
     };
+    let readable = |name: &str| attached(name).ok();
     let resolved_toml = String::from_utf8(attached(RESOLVED_ATTACHMENT)?)
         .map_err(|_| lacks(format!("the attachment {RESOLVED_ATTACHMENT}")))?;
     let policies = (0..run.policies.len())
@@ -92,6 +101,9 @@ pub fn read_run(file: &Path) -> Result<RunRecording, RecordingError> {
         choices: reader.all(Topic::Policy, |message: PolicyMessage| {
             message.choice(&header.actions)
         })?,
+        guard_stops: reader.all(Topic::Guard, |message: GuardIn| Ok(message.stop()))?,
+        object_toml: readable(OBJECT_ATTACHMENT).and_then(|bytes| String::from_utf8(bytes).ok()),
+        report: readable(REPORT_ATTACHMENT).and_then(|bytes| serde_json::from_slice(&bytes).ok()),
         dropped: dropped.into_iter().max().unwrap_or(0),
         loss: loss(&contents, &joined),
         header,

@@ -18,7 +18,7 @@ use crate::report::RunReport;
 /// Name under which the object file is attached with defaults and overrides in it.
 pub(super) const RESOLVED_ATTACHMENT: &str = "object.resolved.toml";
 /// Name under which the report of the whole run is attached, at the end.
-const REPORT_ATTACHMENT: &str = "report.json";
+pub(super) const REPORT_ATTACHMENT: &str = "report.json";
 
 /// Name under which policy `index` is attached.
 pub(super) fn policy_attachment(index: usize) -> String {

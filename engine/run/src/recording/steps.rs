@@ -84,6 +84,15 @@ impl From<&Verdict> for ChoiceVerdict {
     }
 }
 
+/// The guard stopped the arm.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct GuardStop {
+    /// When.
+    pub time_ns: u64,
+    /// Why, in words.
+    pub reason: String,
+}
+
 /// Range and goals of a run (rad or m).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Limits {

@@ -29,6 +29,8 @@ pub struct TrainedRecurrent {
     pub value: Vec<DenseLayer>,
     /// How it stood at the end, with steps and time.
     pub progress: Progress,
+    /// How it stood on the way, at about 200 even steps.
+    pub curve: Vec<Progress>,
     /// Time spent with environments and drawing actions, s.
     pub rollout_s: f64,
     /// Time spent on gradient steps, s.
@@ -67,6 +69,7 @@ pub fn train_recurrent<E: Environments>(
         value_lstm: value.stack.export(),
         value: value.head.export(),
         progress: run.progress,
+        curve: run.curve,
         rollout_s: run.rollout_s,
         learning_s: run.learning_s,
         unit: settings.unit,

@@ -1,9 +1,8 @@
 //! `--check`: whether the stored model still holds for a new recording.
 
-use pubs_calibrate::calibration::{all_traces, samples};
-use pubs_calibrate::drift::{Drift, Sample, drift};
+use pubs_calibrate::calibration::all_traces;
+use pubs_calibrate::drift::{Drift, drifts};
 use pubs_calibrate::object_text::{StateUnit, segments_of};
-use pubs_calibrate::{Channel, Segment};
 use pubs_core::Task;
 use serde::Serialize;
 
@@ -38,15 +37,7 @@ pub fn check(arguments: &Arguments, task: &Task, checked: &Checked) -> Ended {
     }
     let (traces, _) = all_traces(task, &checked.recordings)
         .map_err(|error| Failure::invalid(error.to_string()))?;
-    let channels = channels(task, &stored, unit, |action, channel| {
-        let readings = samples(task, &traces, action, channel);
-        let sample = |(state, value, demonstration)| Sample {
-            state,
-            value,
-            demonstration,
-        };
-        readings.into_iter().map(sample).collect()
-    });
+    let channels = drifts(task, &stored, &traces);
     let judged: Vec<bool> = channels
         .iter()
         .filter_map(|channel| channel.holds)
@@ -68,28 +59,6 @@ pub fn check(arguments: &Arguments, task: &Task, checked: &Checked) -> Ended {
     }
     let well = report.holds == Some(true) && !checked.lost;
     Ok(if well { exit::DONE } else { exit::MISSED })
-}
-
-fn channels(
-    task: &Task,
-    stored: &[Segment],
-    unit: StateUnit,
-    samples: impl Fn(usize, Channel) -> Vec<Sample>,
-) -> Vec<Drift> {
-    task.movements()
-        .flat_map(|(index, action)| {
-            let samples = &samples;
-            Channel::ALL.map(move |channel| {
-                drift(
-                    stored,
-                    &action.name,
-                    channel,
-                    &samples(index, channel),
-                    unit,
-                )
-            })
-        })
-        .collect()
 }
 
 fn text(arguments: &Arguments, report: &Report) -> String {

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use pubs_calibrate::calibration::Calibration;
+use pubs_calibrate::segment::extent;
 use pubs_calibrate::spread::Judgement;
-use pubs_calibrate::{Channel, Segment, Values};
+use pubs_calibrate::{Channel, Segment};
 use pubs_core::Task;
 use serde::Serialize;
 
@@ -86,44 +87,18 @@ fn channels(task: &Task, segments: &[Segment]) -> Vec<ChannelReport> {
                     .iter()
                     .filter(|segment| segment.action == action.name && segment.channel == channel)
                     .collect();
-                let (means, sigmas): (Vec<f64>, Vec<f64>) = (
-                    own.iter()
-                        .flat_map(|segment| means(&segment.values))
-                        .collect(),
-                    own.iter()
-                        .flat_map(|segment| sigmas(&segment.values))
-                        .collect(),
-                );
+                let means = own.iter().flat_map(|segment| segment.values.means());
+                let sigmas = own.iter().flat_map(|segment| segment.values.sigmas());
                 ChannelReport {
                     action: action.name.clone(),
                     channel,
                     segments: own.len(),
-                    mean: extent(&means),
-                    sigma_n: (!sigmas.is_empty()).then(|| extent(&sigmas)),
+                    mean: extent(means.copied()).unwrap_or([f64::NAN; 2]),
+                    sigma_n: extent(sigmas.copied()),
                 }
             })
         })
         .collect()
-}
-
-fn means(values: &Values) -> Vec<f64> {
-    match values {
-        Values::Force { mean_n, .. } => mean_n.clone(),
-        Values::Moves { probability } => vec![*probability],
-    }
-}
-
-fn sigmas(values: &Values) -> Vec<f64> {
-    match values {
-        Values::Force { sigma_n, .. } => sigma_n.clone(),
-        Values::Moves { .. } => Vec::new(),
-    }
-}
-
-fn extent(values: &[f64]) -> [f64; 2] {
-    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    [low, high]
 }
 
 /// The comment above the segments: what they rest on.

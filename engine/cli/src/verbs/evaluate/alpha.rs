@@ -75,6 +75,7 @@ pub(super) fn judge(arguments: &Arguments, path: &Path, ready: &Ready) -> Result
     Ok(Report {
         policy: path.to_owned(),
         object: task.name.clone(),
+        unit: task.joint.unit(),
         goal: goal_label(&task.joint, Some(origin.goal)),
         shield: false,
         seed: arguments.seed,

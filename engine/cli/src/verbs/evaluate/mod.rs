@@ -76,6 +76,8 @@ pub struct Arguments {
 struct Report {
     policy: PathBuf,
     object: String,
+    /// Of joint states: `rad`, `m` or `1` for plain numbers.
+    unit: &'static str,
     goal: String,
     shield: bool,
     seed: u64,
@@ -199,6 +201,7 @@ fn judge(
     Ok(Report {
         policy: path.to_owned(),
         object: task.name.clone(),
+        unit: joint.unit(),
         goal: goal_label(joint, goal),
         shield,
         seed: arguments.seed,

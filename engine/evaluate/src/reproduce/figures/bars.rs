@@ -1,10 +1,11 @@
 //! Safety violations per goal, Fig. 4 top.
 
 use pubs_draw::style::{INK, TEXT_SIZE, TICK_SIZE};
-use pubs_draw::{Axis, CHARACTER_WIDTH, DrawError, HPos, Lettering, Pen, ticks_beside};
+use pubs_draw::{
+    Axis, CHARACTER_WIDTH, DrawError, HPos, Lettering, Panel, Pen, sheet, ticks_beside,
+};
 
 use super::palette::METHODS;
-use super::{Panel, sheet};
 use crate::reproduce::numbers::{NOT_RUN, decimal};
 use crate::reproduce::paper;
 use crate::reproduce::violations::Violations;

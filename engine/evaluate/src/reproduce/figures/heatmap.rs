@@ -1,10 +1,10 @@
 //! What a policy does over mean and entropy, Fig. 5.
 
 use pubs_draw::style::{INK, TEXT_SIZE};
-use pubs_draw::{Axis, DrawError, HPos, Lettering, Pen, WHITE, ticks_below, ticks_beside};
+use pubs_draw::{
+    Axis, DrawError, HPos, Lettering, Panel, Pen, WHITE, action, sheet, ticks_below, ticks_beside,
+};
 
-use super::palette::action;
-use super::{Panel, sheet};
 use crate::reproduce::heatmap::Heatmap;
 
 const SIZE: [i32; 2] = [2060, 1300];
@@ -22,7 +22,7 @@ const UNDER: i32 = 8;
 
 /// A rectangle per run of one action, the goal as marks at the edges, and a legend that says which
 /// actions are never chosen.
-pub(in crate::reproduce) fn heatmap(heatmap: &Heatmap) -> Result<String, DrawError> {
+pub(crate) fn heatmap(heatmap: &Heatmap) -> Result<String, DrawError> {
     let columns = edges(&heatmap.mean);
     let rows = edges(&heatmap.entropy);
     let panel = Panel {

@@ -1,10 +1,9 @@
 //! Light-Dark against the frequency of the belief, Fig. 4 bottom.
 
 use pubs_draw::style::{INK, TEXT_SIZE};
-use pubs_draw::{Axis, DrawError, HPos, Lettering, Pen, ticks_below, ticks_beside};
+use pubs_draw::{Axis, DrawError, HPos, Lettering, Panel, Pen, sheet, ticks_below, ticks_beside};
 
 use super::palette::LINES;
-use super::{Panel, sheet};
 use crate::reproduce::frequency::{Line, Point};
 use crate::reproduce::paper::{Estimate, FREQUENCIES};
 use crate::statistics::NORMAL_95;

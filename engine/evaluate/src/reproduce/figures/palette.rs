@@ -1,4 +1,4 @@
-//! Colours of methods and actions: apart in hue and in lightness.
+//! Colours of methods: apart in hue and in lightness.
 
 use pubs_draw::RGBColor;
 
@@ -17,21 +17,3 @@ pub(super) const LINES: [RGBColor; 3] = [
     RGBColor(0xb3, 0x4a, 0x00),
     RGBColor(0x7a, 0x7a, 0x7a),
 ];
-
-/// Actions by index: stop is dark; then opening is blue and closing orange, light where it is safe
-/// or small and strong where it is fast or large.
-const ACTIONS: [RGBColor; 8] = [
-    RGBColor(0x25, 0x25, 0x25),
-    RGBColor(0xb3, 0xd3, 0xec),
-    RGBColor(0xfd, 0xd0, 0xa2),
-    RGBColor(0x21, 0x71, 0xb5),
-    RGBColor(0xe6, 0x55, 0x0d),
-    RGBColor(0x74, 0xc4, 0x76),
-    RGBColor(0x9e, 0x9a, 0xc8),
-    RGBColor(0x00, 0x6d, 0x2c),
-];
-
-/// The colour of an action; they repeat where there are more.
-pub(super) fn action(index: usize) -> RGBColor {
-    ACTIONS[index % ACTIONS.len()]
-}

@@ -1,4 +1,4 @@
-//! The page of a calibration: the sheet of [`plot`](crate::plot) and where it was read, then the
+//! The page of a calibration: the sheet of [`plot`] and where it was read, then the
 //! numbers, then where they come from.
 
 mod reach;

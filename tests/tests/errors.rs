@@ -4,6 +4,8 @@
 #[path = "common/census.rs"]
 mod census;
 mod common;
+#[path = "common/damage.rs"]
+mod damage;
 #[path = "common/snapshots.rs"]
 mod snapshots;
 

@@ -27,6 +27,7 @@ use std::fs;
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 
+use crate::damage;
 use crate::common::{Answer, command, path_text, root, shipped_plugins};
 
 /// Where the snapshots lie.
@@ -64,6 +65,16 @@ enum Step {
     Copy(String, String),
     /// `cut FILE BYTES`: keeps its first bytes.
     Cut(String, usize),
+    /// `flip FILE PLACE`: turns the bits of a byte over.
+    Flip(String, usize),
+    /// `overwrite FILE`: a change of bytes that leaves the length as it is.
+    Overwrite(String, String, String),
+    /// `foreign-policy FILE`: takes the contract out.
+    ForeignPolicy(String),
+    /// `foreign-mcap NAME`: writes another program's.
+    ForeignMcap(String),
+    /// `ramp NAME FAULT`: a plugin in C that is broken.
+    Ramp(String, Option<String>),
     /// `folder NAME`.
     Folder(String),
     /// `environment NAME=VALUE`.
@@ -128,7 +139,7 @@ impl Case {
         }
     }
 
-    /// What the program answers today.
+    /// What the program answers today; what is kept, where this machine cannot try the case.
     pub fn answer(&self) -> String {
         let place = tempfile::tempdir().unwrap();
         let taken = TcpListener::bind("127.0.0.1:0").unwrap();
@@ -139,7 +150,10 @@ impl Case {
         copy_files(&folder().join("files"), place.path());
         let mut environment = Vec::new();
         for step in &self.steps {
-            bench.take(step, &mut environment, &self.title);
+            if !bench.take(step, &mut environment, &self.title) {
+                println!("skipped: {}: no C compiler (`cc`)", self.title);
+                return self.kept.clone();
+            }
         }
         bench.shown(&bench.run(&self.line, &environment))
     }
@@ -152,7 +166,8 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    fn take(&self, step: &Step, environment: &mut Vec<(String, String)>, title: &str) {
+    /// Takes one step; false where this machine lacks what it needs.
+    fn take(&self, step: &Step, environment: &mut Vec<(String, String)>, title: &str) -> bool {
         match step {
             Step::Change(file, old, new) => {
                 let text = self.text(file);
@@ -171,6 +186,15 @@ impl Bench<'_> {
                 content.truncate(*bytes);
                 self.write(name, &content);
             }
+            Step::Flip(name, at) => damage::flip(&self.folder.join(name), *at),
+            Step::Overwrite(name, old, new) => {
+                damage::overwrite(&self.folder.join(name), old, new);
+            }
+            Step::ForeignPolicy(name) => damage::without_contract(&self.folder.join(name)),
+            Step::ForeignMcap(name) => damage::foreign_mcap(&self.folder.join(name)),
+            Step::Ramp(name, fault) => {
+                return damage::ramp(&self.folder.join(name), fault.as_deref());
+            }
             Step::Folder(name) => fs::create_dir_all(self.folder.join(name)).unwrap(),
             Step::Environment(name, value) => {
                 environment.push((name.clone(), self.meant(value)));
@@ -180,6 +204,7 @@ impl Bench<'_> {
                 assert_eq!(answer.code, 0, "{title}: {line}: {}", answer.stderr);
             }
         }
+        true
     }
 
     fn text(&self, file: &str) -> String {
@@ -266,10 +291,13 @@ fn step(line: &str, block: &[&str]) -> Step {
         (owned(first), owned(second))
     };
     match verb {
-        "change" => {
+        "change" | "overwrite" => {
             let middle = block.iter().position(|line| *line == "=>").unwrap();
-            let (old, new) = (&block[..middle], &block[middle + 1..]);
-            Step::Change(owned(rest), old.join("\n"), new.join("\n"))
+            let (old, new) = (block[..middle].join("\n"), block[middle + 1..].join("\n"));
+            match verb {
+                "change" => Step::Change(owned(rest), old, new),
+                _ => Step::Overwrite(owned(rest), old, new),
+            }
         }
         "file" => Step::File(owned(rest), format!("{}\n", block.join("\n"))),
         "copy" => {
@@ -279,6 +307,16 @@ fn step(line: &str, block: &[&str]) -> Step {
         "cut" => {
             let (file, bytes) = two();
             Step::Cut(file, bytes.parse().unwrap())
+        }
+        "flip" => {
+            let (file, at) = two();
+            Step::Flip(file, at.parse().unwrap())
+        }
+        "foreign-policy" => Step::ForeignPolicy(owned(rest)),
+        "foreign-mcap" => Step::ForeignMcap(owned(rest)),
+        "ramp" => {
+            let (name, fault) = rest.split_once(' ').unwrap_or((rest, ""));
+            Step::Ramp(owned(name), (!fault.is_empty()).then(|| owned(fault)))
         }
         "folder" => Step::Folder(owned(rest)),
         "environment" => {

@@ -27,8 +27,8 @@ use std::fs;
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 
-use crate::damage;
 use crate::common::{Answer, command, command_of, path_text, root, shipped_plugins};
+use crate::damage;
 
 /// Where the snapshots lie.
 pub fn folder() -> PathBuf {

@@ -49,6 +49,11 @@ impl Failure {
         }
     }
 
+    /// The same of several things, a line each.
+    pub fn each(lines: impl AsRef<str>) -> Self {
+        Self::invalid(lines.as_ref().replace('\n', "\nerror: "))
+    }
+
     /// A plugin or policy does not fit.
     pub fn incompatible(message: impl Into<String>) -> Self {
         Self::Other {

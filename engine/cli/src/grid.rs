@@ -43,7 +43,7 @@ impl GridArguments {
             Some(text) => parse_goal(text, &task.joint)?,
             None => task.default_goal.ok_or_else(|| {
                 Failure::invalid(
-                    "the object has no goal of its own: add --goal, such as --goal 0.5",
+                    "the object file states no goal (joint.goal): add --goal, such as --goal 0.5",
                 )
             })?,
         };

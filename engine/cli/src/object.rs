@@ -190,7 +190,7 @@ fn model_faults(loaded: &LoadedObject, task: &Task, registry: &Registry) -> Vec<
         Err(error) => faults.push(loaded.fault(
             "observation.model",
             error.to_string(),
-            cure(&task.observation.model),
+            cure(&error, &task.observation.model),
         )),
     }
     faults
@@ -205,16 +205,19 @@ fn driver_faults(loaded: &LoadedObject, task: &Task, registry: &Registry) -> Vec
                 faults.extend(at_their_lines(loaded, "driver", &driver.plugin, found));
             }
             Err(error) => {
-                faults.push(loaded.fault("driver.plugin", error.to_string(), cure(&driver.plugin)))
+                let cure = cure(&error, &driver.plugin);
+                faults.push(loaded.fault("driver.plugin", error.to_string(), cure));
             }
         }
     }
     faults
 }
 
-/// What to do about a plugin that is not found.
-fn cure(plugin: &str) -> String {
-    if built_in::LOADED.contains(&plugin) {
+/// What to do about a plugin that is not found, or found twice.
+fn cure(error: &HostError, plugin: &str) -> String {
+    if matches!(error, HostError::Duplicate { .. }) {
+        "`pubs-engine plugins list` shows where each is from".to_owned()
+    } else if built_in::LOADED.contains(&plugin) {
         format!(
             "`{plugin}` comes with the engine as a library to be loaded: `{}` puts it beside the program",
             built_in::BUILD_COMMAND
@@ -254,10 +257,25 @@ fn refusal(loaded: &LoadedObject, error: HostError) -> Failure {
     }
 }
 
-/// What a model says of single segments, `segment[17] …` a line, each at the segment's own line.
+/// What a model says of segments, a line each: of a single one, `segment[17] …`, at the segment's
+/// own line; of all of them, `segments: …`, or of those of one channel, `(safe_open, f_d): …`, at
+/// their table.
 fn segment_faults(loaded: &LoadedObject, error: &HostError) -> Vec<Fault> {
-    let text = error.to_string();
+    let HostError::Call {
+        failure: pubs_host::Failure::Error(text),
+        ..
+    } = error
+    else {
+        return Vec::new();
+    };
     let faults = text.lines().filter_map(|line| {
+        if line.starts_with("segments: ") || line.starts_with('(') {
+            return Some(loaded.fault(
+                "observation",
+                line,
+                "mend the segments; `pubs-engine plugins list --schema` describes them",
+            ));
+        }
         let said = &line[line.find("segment[")?..];
         let index: usize = said["segment[".len()..].split(']').next()?.parse().ok()?;
         let key = format!("observation.segment.{index}");

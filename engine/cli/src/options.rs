@@ -1,6 +1,6 @@
 //! Options that several verbs share.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
@@ -43,7 +43,7 @@ impl LayerOptions {
 pub struct FrequencyOptions {
     /// Update the belief so many times per policy step; on abstract objects during large moves
     /// [default: as the object file says]
-    #[arg(long, value_name = "TIMES", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "TIMES", value_parser = whole::<u32>(1, 1_000))]
     pub belief_frequency: Option<u32>,
 }
 
@@ -61,11 +61,59 @@ impl RuntimeOptions {
     /// # Errors
     /// Where the library cannot be used.
     pub fn runtime(&self) -> Result<Runtime, Failure> {
-        let runtime = Runtime::from_library(self.onnxruntime.as_deref())
-            .map_err(|error| Failure::incompatible(chain(&error)))?;
+        let runtime = Runtime::from_library(self.onnxruntime.as_deref()).map_err(|error| {
+            Failure::incompatible(format!(
+                "{}
+  (without --onnxruntime and ORT_DYLIB_PATH the built-in runtime serves)",
+                chain(&error)
+            ))
+        })?;
         show::detail(|| format!("policy runtime: {runtime}"));
         Ok(runtime)
     }
+}
+
+/// Reads a whole number within bounds, as a value parser.
+pub fn whole<N: TryFrom<u64>>(
+    least: u64,
+    most: u64,
+) -> impl Fn(&str) -> Result<N, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let number: Option<u64> = text.parse().ok();
+        let fits = number.filter(|number| (least..=most).contains(number));
+        fits.and_then(|number| N::try_from(number).ok())
+            .ok_or_else(|| match most {
+                u64::MAX => format!("give a whole number, {least} or more"),
+                most => format!("give a whole number from {least} to {most}"),
+            })
+    }
+}
+
+/// Reads a finite number that is not negative, as a value parser.
+///
+/// # Errors
+/// What to give instead.
+pub fn parse_not_negative(text: &str) -> Result<f64, String> {
+    let number: Option<f64> = text.parse().ok();
+    number
+        .filter(|number| *number >= 0.0 && number.is_finite())
+        .ok_or_else(|| "give a finite number, 0 or more".to_owned())
+}
+
+/// Refuses a file to be written whose folder is not there: long work must not end at it.
+///
+/// # Errors
+/// Where there is no such folder; `option` names another place.
+pub fn check_folder(file: &Path, option: &str) -> Result<(), Failure> {
+    let folder = file.parent().unwrap_or(Path::new(""));
+    if folder.as_os_str().is_empty() || folder.is_dir() {
+        return Ok(());
+    }
+    Err(Failure::invalid(format!(
+        "there is no folder {} for {}: make it, or name another place with {option}",
+        folder.display(),
+        file.file_name().unwrap_or_default().display()
+    )))
 }
 
 /// Reads seconds above 0, as a value parser.

@@ -1,8 +1,8 @@
 //! A POMDP from its `.pomdp` file, or its faults at their lines.
 
-use std::fs;
 use std::ops::Range;
 use std::path::Path;
+use std::{fs, io};
 
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use pubs_solve::{ParseFault, Pomdp, parse};
@@ -15,8 +15,15 @@ use crate::show;
 /// # Errors
 /// Where the file cannot be read, or has faults.
 pub fn load(path: &Path) -> Result<Pomdp, Failure> {
-    let text = fs::read_to_string(path)
-        .map_err(|error| Failure::invalid(format!("cannot read {}: {error}", path.display())))?;
+    let text = fs::read_to_string(path).map_err(|error| {
+        let path = path.display();
+        Failure::invalid(match error.kind() {
+            io::ErrorKind::InvalidData => {
+                format!("{path} is not text (UTF-8); give a POMDP in Cassandra's format (.pomdp)")
+            }
+            _ => format!("cannot read {path}: {error}; give the path of a .pomdp file"),
+        })
+    })?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     parse(&text)
         .map(|pomdp| pomdp.named(name))

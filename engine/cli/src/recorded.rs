@@ -125,6 +125,12 @@ fn create(
         Some(folder) => folder.clone(),
         None => folder_of(setup.object),
     };
+    if folder.is_file() {
+        return Err(Failure::invalid(format!(
+            "--record {0}: {0} is a file, but no recording is named so; give the name of a new file (.mcap) or of a folder",
+            folder.display()
+        )));
+    }
     std::fs::create_dir_all(&folder).map_err(|error| {
         Failure::invalid(format!(
             "cannot make the folder {}: {error}\n  (--record FILE or DIR records elsewhere, --no-record not at all)",

@@ -37,7 +37,9 @@ pub enum GoalError {
         cure: &'static str,
     },
     /// Beyond the limits.
-    #[error("goal {goal} lies outside the limits, {lower} to {upper}")]
+    #[error(
+        "goal {goal} lies outside the limits, {lower} to {upper}: write a fraction from 0 to 1, or a state between the limits"
+    )]
     OutsideLimits {
         /// As written.
         goal: Goal,

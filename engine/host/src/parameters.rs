@@ -5,14 +5,22 @@
 
 use std::fmt;
 
+use jsonschema::JsonType;
 use jsonschema::Validator;
-use jsonschema::error::ValidationErrorKind;
+use jsonschema::error::{TypeKind, ValidationErrorKind};
 use serde_json::{Map, Value, json};
 
 use crate::nearest::nearest;
 
 /// Keys of `[observation]` that are the engine's own and no plugin's business.
 const ENGINE_KEYS: [&str; 3] = ["model", "bias_sd_n", "correlation_m"];
+
+/// A message in a plugin's or a schema's own words is cut short here, in bytes.
+const LONGEST_MESSAGE: usize = 200;
+/// A value that is quoted is cut short here, in bytes.
+const LONGEST_VALUE: usize = 60;
+/// So many of the known keys are named where none is like the one that was found.
+const MOST_KEYS: usize = 12;
 
 /// One thing wrong with the parameters.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -112,9 +120,10 @@ impl ParameterSchema {
                     message,
                 }]
             }
-            _ => vec![ParameterFault {
+            kind => vec![ParameterFault {
                 pointer: place.to_owned(),
-                message: shortened(&error.to_string()),
+                message: wrong_value(place, error.instance(), kind)
+                    .unwrap_or_else(|| shortened(&error.to_string(), LONGEST_MESSAGE)),
             }],
         }
     }
@@ -123,11 +132,17 @@ impl ParameterSchema {
         let value = error.instance().get(key).unwrap_or(&Value::Null);
         let mut message = format!(
             "the plugin knows no key `{key}` (value {})",
-            shortened(&value.to_string())
+            shortened(&value.to_string(), LONGEST_VALUE)
         );
         let known = self.known_keys(error.schema_path().as_str());
         if let Some(near) = nearest(key, known.iter().copied()) {
             message += &format!("; did you mean `{near}`?");
+        } else if known.len() > MOST_KEYS {
+            message += &format!(
+                "; it knows {} and {} more",
+                known[..MOST_KEYS].join(", "),
+                known.len() - MOST_KEYS
+            );
         } else if !known.is_empty() {
             message += &format!("; it knows {}", known.join(", "));
         } else {
@@ -153,13 +168,50 @@ fn escape(key: &str) -> String {
     key.replace('~', "~0").replace('/', "~1")
 }
 
+/// The value found and the rule, for the rules that schemas mostly have.
+fn wrong_value(place: &str, value: &Value, kind: &ValidationErrorKind) -> Option<String> {
+    let rule = match kind {
+        ValidationErrorKind::Enum { options } => {
+            let words: Vec<String> = options.as_array()?.iter().map(Value::to_string).collect();
+            format!("one of {}", words.join(", "))
+        }
+        ValidationErrorKind::Type { kind } => {
+            let names: Vec<&str> = match kind {
+                TypeKind::Single(one) => vec![in_words(*one)],
+                TypeKind::Multiple(several) => several.iter().map(in_words).collect(),
+            };
+            names.join(" or ")
+        }
+        ValidationErrorKind::Minimum { limit } => format!("{limit} or more"),
+        ValidationErrorKind::Maximum { limit } => format!("{limit} or less"),
+        ValidationErrorKind::ExclusiveMinimum { limit } => format!("above {limit}"),
+        ValidationErrorKind::ExclusiveMaximum { limit } => format!("below {limit}"),
+        _ => return None,
+    };
+    let key = place.rsplit('/').next().filter(|key| !key.is_empty())?;
+    let found = shortened(&value.to_string(), LONGEST_VALUE);
+    Some(format!("`{key}` is {found}; it must be {rule}"))
+}
+
+/// A type of JSON with its article.
+fn in_words(kind: JsonType) -> &'static str {
+    match kind {
+        JsonType::Array => "a list",
+        JsonType::Boolean => "true or false",
+        JsonType::Integer => "a whole number",
+        JsonType::Null => "nothing",
+        JsonType::Number => "a number",
+        JsonType::Object => "a table",
+        JsonType::String => "a text",
+    }
+}
+
 /// A message that quotes a whole table helps nobody.
-fn shortened(text: &str) -> String {
-    const LONGEST: usize = 200;
-    if text.len() <= LONGEST {
+fn shortened(text: &str, longest: usize) -> String {
+    if text.len() <= longest {
         return text.to_owned();
     }
-    format!("{} ...", &text[..text.floor_char_boundary(LONGEST)])
+    format!("{} …", &text[..text.floor_char_boundary(longest)])
 }
 
 /// Whether the schema says elsewhere what else an object may hold.

@@ -68,7 +68,11 @@ pub enum Mismatch {
         differences: Vec<String>,
     },
     /// The outputs would be taken for other actions.
-    #[error("the policy chooses among {policy:?}, the object among {object:?}")]
+    #[error(
+        "the policy chooses among {}, the object among {}; train one for this object",
+        policy.join(", "),
+        object.join(", ")
+    )]
     Actions {
         /// The policy's, in order.
         policy: Vec<String>,
@@ -80,10 +84,10 @@ pub enum Mismatch {
         "the policy was trained for the goal {policy}, not {wanted}; train one for every goal, or for that one"
     )]
     Goal {
-        /// The policy's, rad, m or plain.
-        policy: f64,
+        /// The policy's, with its unit.
+        policy: String,
         /// The one asked for.
-        wanted: f64,
+        wanted: String,
     },
 }
 
@@ -119,11 +123,21 @@ impl Contract {
         match (self.goal, wanted) {
             (Goal::Fixed { value, .. }, Some(wanted)) if !same(value, wanted) => {
                 Err(Mismatch::Goal {
-                    policy: value,
-                    wanted,
+                    policy: self.in_words(value),
+                    wanted: self.in_words(wanted),
                 })
             }
             _ => Ok(()),
+        }
+    }
+
+    /// A joint state as people write it; its unit follows from the joint that the task names.
+    fn in_words(&self, state: f64) -> String {
+        let task: Value = serde_json::from_str(&self.task).unwrap_or(Value::Null);
+        match task.pointer("/joint/type").and_then(Value::as_str) {
+            Some("revolute") => format!("{:.1}°", state.to_degrees()),
+            Some("prismatic") => format!("{:.1} cm", state * 100.0),
+            _ => state.to_string(),
         }
     }
 
@@ -183,6 +197,12 @@ fn differences(key: &str, policy: &Value, object: &Value, found: &mut Vec<String
             for (index, (ours, theirs)) in ours.iter().zip(theirs).enumerate() {
                 differences(&format!("{key}[{index}]"), ours, theirs, found);
             }
+        }
+        (Value::Null, object) if !object.is_null() => {
+            found.push(format!("{key}: policy has none, object {object}"));
+        }
+        (policy, Value::Null) if !policy.is_null() => {
+            found.push(format!("{key}: policy {policy}, object has none"));
         }
         _ if policy != object => found.push(format!("{key}: policy {policy}, object {object}")),
         _ => {}
@@ -322,8 +342,8 @@ mod tests {
         assert_eq!(
             fault,
             Mismatch::Goal {
-                policy: 0.3,
-                wanted: 0.31
+                policy: "0.3".to_owned(),
+                wanted: "0.31".to_owned(),
             }
         );
         let mut object = expected();

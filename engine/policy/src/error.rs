@@ -20,10 +20,10 @@ pub struct PolicyError {
 #[non_exhaustive]
 pub enum Fault {
     /// Not there, not readable.
-    #[error("cannot be read: {0}")]
+    #[error("cannot be read: {0}; give the path of an .onnx file")]
     Read(std::io::Error),
     /// A directory, a device.
-    #[error("is not a file")]
+    #[error("is not a file; give the path of an .onnx file")]
     NotAFile,
     /// Larger than any policy.
     #[error("is {0} bytes long, too long for a policy")]

@@ -135,8 +135,12 @@ fn rows(value: &ValueInfo, kind: &str, width: usize) -> Result<Option<u64>, Faul
         }
         shape => {
             let found = shape.map_or("unknown".to_owned(), described);
+            let cure = match kind {
+                "input" => "name as many inputs as it has columns",
+                _ => "give the object that it was made for",
+            };
             Err(Fault::Shape(format!(
-                "has an {kind} {name:?} of shape {found}, not [batch, {width}]"
+                "has an {kind} {name:?} of shape {found}, not [batch, {width}]; {cure}"
             )))
         }
     }

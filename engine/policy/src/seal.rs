@@ -48,8 +48,8 @@ pub fn open(model: &Model) -> Result<Contract, Fault> {
         if stated != json_text(found) {
             return Err(Fault::Sum {
                 part,
-                stated: stated.to_owned(),
-                found: found.clone(),
+                stated: start_of(stated.trim_matches('"')),
+                found: start_of(found),
             });
         }
     }
@@ -69,4 +69,9 @@ fn contract_sum(entries: &BTreeMap<String, String>) -> String {
 
 fn json_text(sum: &str) -> String {
     format!("\"{sum}\"")
+}
+/// Enough of a sum to tell two apart.
+fn start_of(sum: &str) -> String {
+    let start: String = sum.chars().take(12).collect();
+    format!("{start}…")
 }

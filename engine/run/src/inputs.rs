@@ -6,7 +6,7 @@ use pubs_policy::FeatureName;
 
 /// A reading that the object's observation model does not have.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("the policy reads the channel `{channel}`; the observation model has {}", known.join(", "))]
+#[error("the policy reads the channel `{channel}`; the observation model has {}; read one of these", known.join(", "))]
 pub struct UnknownChannel {
     channel: String,
     known: Vec<String>,

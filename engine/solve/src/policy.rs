@@ -72,7 +72,7 @@ pub enum PolicyError {
         source: io::Error,
     },
     /// The file does not hold a policy.
-    #[error("{} holds no policy of alpha vectors: {reason}", path.display())]
+    #[error("{} holds no policy of alpha vectors: {reason}; give a .json file that `solve` has written", path.display())]
     Content {
         /// The file.
         path: PathBuf,
@@ -81,8 +81,8 @@ pub enum PolicyError {
     },
     /// The policy was made for another problem.
     #[error(
-        "the policy was made for `{made_for}`, whose numbers are not those of `{problem}`: solve \
-         this problem again"
+        "the policy was solved for a problem `{made_for}` with other numbers than `{problem}` has \
+         here: solve this problem again"
     )]
     OtherProblem {
         /// The problem in the policy file.

@@ -35,6 +35,7 @@ pub(crate) fn check(
     unplaced: &[Unplaced],
     faults: &mut Faults,
 ) {
+    let mut without = Vec::new();
     for (action, action_setup) in movements(&setup.actions) {
         for (channel, channel_name) in channel::NAMES.iter().enumerate() {
             if unplaced
@@ -47,6 +48,10 @@ pub(crate) fn check(
                 .iter()
                 .filter(|s| (s.action, s.channel) == (action, channel))
                 .collect();
+            if own.is_empty() {
+                without.push(format!("({}, {channel_name})", action_setup.name));
+                continue;
+            }
             own.sort_by(|a, b| a.from.total_cmp(&b.from));
             let group = Group {
                 label: format!("({}, {channel_name})", action_setup.name),
@@ -55,6 +60,14 @@ pub(crate) fn check(
             };
             group.check(&own);
         }
+    }
+    if !without.is_empty() {
+        faults.add(
+            "segments",
+            &format!("there is none for {}", without.join(", ")),
+            "every movement action needs every channel from the lower to the upper limit",
+            "calibrate the object, or add an [[observation.segment]] for each",
+        );
     }
 }
 
@@ -75,14 +88,6 @@ struct Group<'a> {
 impl Group<'_> {
     fn check(mut self, own: &[&Segment]) {
         let (Some(first), Some(last)) = (own.first(), own.last()) else {
-            let rule =
-                "every movement action needs every channel from the lower to the upper limit";
-            self.faults.add(
-                &self.label,
-                "there is no segment",
-                rule,
-                "add an [[observation.segment]] for it",
-            );
             return;
         };
         self.limit(first, "from", first.from, self.joint.lower, "lower");

@@ -77,7 +77,7 @@ pub enum RecordError {
     Driver(#[from] ArmError),
     /// The sensor is noisy.
     #[error(
-        "the force sensor is noisy at rest: standard deviation {:.2}, {:.2}, {:.2} N (x, y, z), allowed are {limit_n:.2} N; \
+        "the force sensor is noisy at rest: standard deviation {:.2}, {:.2}, {:.2} N (x, y, z), allowed are {limit_n} N; \
          look for vibration, a loose cable or a wrong filter setting of the sensor",
         baseline.sd_n[0], baseline.sd_n[1], baseline.sd_n[2]
     )]
@@ -89,7 +89,7 @@ pub enum RecordError {
     },
     /// The sensor is off.
     #[error(
-        "the force sensor shows {off_n:.2} N at rest after the tare ({:.2}, {:.2}, {:.2} N in x, y, z), allowed are {limit_n:.2} N; \
+        "the force sensor shows {off_n:.2} N at rest after the tare ({:.2}, {:.2}, {:.2} N in x, y, z), allowed are {limit_n} N; \
          tare it out of contact, release what the grasp holds under tension, or check the tool's weight compensation",
         baseline.mean_n[0], baseline.mean_n[1], baseline.mean_n[2]
     )]

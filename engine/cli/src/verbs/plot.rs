@@ -6,6 +6,9 @@ use clap::{Args, ValueEnum};
 use pubs_calibrate::calibration::all_traces;
 use pubs_calibrate::object_text::{StateUnit, segments_of};
 use pubs_calibrate::plot::{self, picture, readings, subtitle};
+use pubs_core::Task;
+use pubs_core::object::schema::joint_name;
+use pubs_run::recording::Recording;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -70,6 +73,9 @@ pub fn run(arguments: &Arguments) -> Ended {
         arguments.from.clone()
     };
     let recordings = recordings::read(&files)?;
+    for (file, recording) in &recordings {
+        of_the_object(&task, file, recording)?;
+    }
     let (traces, _) =
         all_traces(&task, &recordings).map_err(|error| Failure::invalid(error.to_string()))?;
     let readings = readings(&task, &traces);
@@ -91,11 +97,36 @@ pub fn run(arguments: &Arguments) -> Ended {
     Ok(exit::DONE)
 }
 
+/// Readings of a hinge tell nothing of a slide, and those of another door little.
+fn of_the_object(task: &Task, file: &str, recording: &Recording) -> Result<(), Failure> {
+    let header = &recording.header;
+    if header.joint != task.joint.joint_type() {
+        return Err(Failure::invalid(format!(
+            "{file}: the recording is of a joint that is {}, that of `{}` is {}; give a recording of this object",
+            joint_name(header.joint),
+            task.name,
+            joint_name(task.joint.joint_type())
+        )));
+    }
+    if header.object != task.name {
+        show::say(&format!(
+            "warning: {file}: the recording is of `{}`, not of `{}`",
+            header.object, task.name
+        ));
+    }
+    Ok(())
+}
+
 fn written(arguments: &Arguments, name: &str, sheet: &str) -> Result<Vec<PathBuf>, Failure> {
     let cannot = |path: &PathBuf, error: &std::io::Error| {
         Failure::invalid(format!("cannot write {}: {error}", path.display()))
     };
-    std::fs::create_dir_all(&arguments.out).map_err(|error| cannot(&arguments.out, &error))?;
+    std::fs::create_dir_all(&arguments.out).map_err(|error| {
+        Failure::invalid(format!(
+            "cannot make the folder {}: {error}; name another with --out",
+            arguments.out.display()
+        ))
+    })?;
     let mut files = Vec::new();
     for format in &arguments.format {
         let (ending, bytes) = match format {

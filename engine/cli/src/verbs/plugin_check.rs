@@ -1,13 +1,14 @@
 //! `pubs-engine plugins check`: the conformance kit, run on one plugin.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
+use pubs_core::Task;
 use pubs_core::object;
 use pubs_core::task::compile;
 use pubs_host::conformance::{self, ConformanceReport, Outcome};
-use pubs_host::{Listed, Plugin, library};
+use pubs_host::{Listed, Plugin, PluginKind, library};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -49,7 +50,9 @@ pub fn run(arguments: &Arguments) -> Ended {
         None => None,
         Some(path) => {
             let loaded = object::load(path, &arguments.layers.overrides())?;
-            Some(compile(&loaded.file).map_err(|error| Failure::fault(&error))?)
+            let task = compile(&loaded.file).map_err(|error| Failure::fault(&error))?;
+            of_the_plugin(&plugin, &task, path)?;
+            Some(task)
         }
     };
     let model_setup = task.as_ref().map(|task| task.model_setup(0));
@@ -65,6 +68,26 @@ pub fn run(arguments: &Arguments) -> Ended {
     } else {
         exit::INCOMPATIBLE
     })
+}
+
+/// An object's parameters are those of the plugins that it names.
+fn of_the_plugin(plugin: &Plugin, task: &Task, path: &Path) -> Result<(), Failure> {
+    let (key, named) = match plugin.kind() {
+        PluginKind::ObservationModel => ("observation.model", Some(&task.observation.model)),
+        PluginKind::Driver => (
+            "driver.plugin",
+            task.driver.as_ref().map(|driver| &driver.plugin),
+        ),
+    };
+    match named {
+        Some(named) if named == plugin.name() => Ok(()),
+        named => Err(Failure::invalid(format!(
+            "{}: {key} is {}, not `{}`; give an object with this plugin, or leave out --object",
+            path.display(),
+            named.map_or("nothing".to_owned(), |named| format!("`{named}`")),
+            plugin.name()
+        ))),
+    }
 }
 
 fn find(arguments: &Arguments) -> Result<Arc<Plugin>, Failure> {

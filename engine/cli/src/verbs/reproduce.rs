@@ -18,7 +18,7 @@ use pubs_run::utc;
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::options::{RuntimeOptions, parse_timeout};
+use crate::options::{RuntimeOptions, parse_timeout, whole};
 use crate::policies::{MAX_STEPS, TRIALS};
 use crate::{Ended, built_in, exit, interrupt, show};
 
@@ -41,25 +41,25 @@ pub struct Arguments {
     #[arg(long, value_delimiter = ',', value_name = "WORDS")]
     cells: Vec<String>,
     /// Trainings of each kind, of which the best is shown
-    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    #[arg(long, default_value_t = 5, value_parser = whole::<u64>(1, 1000))]
     seeds: u64,
     /// Trainings of each kind with an LSTM, which take minutes each
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u64).range(0..=1000))]
+    #[arg(long, default_value_t = 1, value_parser = whole::<u64>(0, 1000))]
     recurrent_seeds: u64,
     /// Trials on the virtual arm for each object of Table IV
-    #[arg(long, default_value_t = 20, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, default_value_t = 20, value_parser = whole::<u64>(1, u64::MAX))]
     trials: u64,
     /// Simulated trials of each policy
-    #[arg(long, default_value_t = TRIALS, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, default_value_t = TRIALS, value_parser = whole::<u64>(1, u64::MAX))]
     evaluation_trials: u64,
     /// Steps of each training [default: the recipe's]
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_parser = whole::<u64>(1, u64::MAX))]
     steps: Option<u64>,
     /// Time limit of each solver, s
     #[arg(long, default_value = "120", value_name = "SECONDS", value_parser = parse_timeout)]
     timeout: Duration,
     /// Cells at once [default: one per core]
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_parser = whole::<u16>(1, u16::MAX.into()))]
     threads: Option<u16>,
     /// Run cells again that are stored already
     #[arg(long)]

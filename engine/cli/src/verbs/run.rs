@@ -13,7 +13,7 @@ use crate::driver::{self, DriverOptions};
 use crate::failure::Failure;
 use crate::live::{self, LiveOptions};
 use crate::object::Ready;
-use crate::options::{FrequencyOptions, ObjectOptions, RuntimeOptions};
+use crate::options::{FrequencyOptions, ObjectOptions, RuntimeOptions, whole};
 use crate::policies::{self, MAX_STEPS};
 use crate::recorded::{self, RecordingOptions, Setup};
 use crate::verbs::evaluate::parse_goal;
@@ -52,7 +52,7 @@ pub struct Arguments {
     #[arg(long)]
     no_shield: bool,
     /// Give up a goal after so many policy steps
-    #[arg(long, default_value_t = MAX_STEPS, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = MAX_STEPS, value_parser = whole::<u32>(1, u32::MAX.into()))]
     max_steps: u32,
     /// Seed of everything that is drawn
     #[arg(long, default_value_t = 1)]

@@ -1,7 +1,7 @@
 //! `pubs-engine solve`: bounds and a policy for a discrete POMDP, or for an object on a grid.
 
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::failure::{self, Failure};
 use crate::grid::GridArguments;
-use crate::options::parse_timeout;
+use crate::options::{check_folder, parse_timeout};
 use crate::{Ended, exit, interrupt, pomdp_file, show};
 
 #[derive(Args)]
@@ -73,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Ended {
         .output
         .clone()
         .unwrap_or_else(|| arguments.file.with_extension("policy.json"));
-    check_folder(&output)?;
+    check_folder(&output, "--output")?;
     let options = SolveOptions {
         method: arguments.method,
         precision: arguments.precision,
@@ -128,18 +128,6 @@ pub fn run(arguments: &Arguments) -> Ended {
         }
     }
     Ok(exit::DONE)
-}
-
-/// A long search must not end at a folder that is not there.
-fn check_folder(output: &Path) -> Result<(), Failure> {
-    let folder = output.parent().unwrap_or(Path::new(""));
-    if folder.as_os_str().is_empty() || folder.is_dir() {
-        return Ok(());
-    }
-    Err(Failure::invalid(format!(
-        "there is no folder {} to write the policy to",
-        folder.display()
-    )))
 }
 
 /// What is to be solved, and where an object is, what was made of it.

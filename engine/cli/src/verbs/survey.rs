@@ -9,6 +9,7 @@ use pubs_calibrate::survey::{DoorReport, RADIUS_M, WINDOW_DEG, overall, survey};
 use serde::Serialize;
 
 use crate::failure::Failure;
+use crate::options::parse_not_negative;
 use crate::{Ended, exit, show};
 
 #[derive(Args)]
@@ -21,10 +22,10 @@ pub struct Arguments {
     #[arg(value_name = "TABLE", required = true)]
     tables: Vec<PathBuf>,
     /// belief.tempering to judge beside independent readings [default: the engine's]
-    #[arg(long, value_name = "EXPONENT")]
+    #[arg(long, value_name = "EXPONENT", value_parser = parse_not_negative)]
     tempering: Option<f64>,
     /// belief.reading_spacing_m to judge beside independent readings [default: the engine's]
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", value_parser = parse_not_negative)]
     reading_spacing_m: Option<f64>,
     /// One JSON object on stdout
     #[arg(long)]
@@ -51,15 +52,9 @@ pub fn run(arguments: &Arguments) -> Ended {
                 .unwrap_or(defaults.reading_spacing_m),
         },
     ];
-    let allowed = |value: f64| value >= 0.0 && value.is_finite();
-    if !(allowed(settings[1].tempering) && allowed(settings[1].reading_spacing_m)) {
-        return Err(Failure::invalid(
-            "--tempering and --reading-spacing-m must be finite and not negative",
-        ));
-    }
     let mut doors = Vec::new();
     for table in &arguments.tables {
-        let found = pulls::read(table).map_err(|error| Failure::invalid(error.to_string()))?;
+        let found = pulls::read(table).map_err(|refused| Failure::each(refused.to_string()))?;
         doors.extend(found);
     }
     let reports = survey(&doors, &settings).map_err(|error| Failure::fault(&error))?;
@@ -107,7 +102,11 @@ fn text(report: &Report, settings: &[Settings; 2]) -> String {
         .overall
         .first()
         .map_or(0, |judgement| judgement.windows);
-    text += &format!("all doors ({windows} windows): {}", all.join(" | "));
+    if windows == 0 {
+        text += "all doors: none has pulls enough to hold one out";
+    } else {
+        text += &format!("all doors ({windows} windows): {}", all.join(" | "));
+    }
     text
 }
 

@@ -11,7 +11,7 @@ use pubs_train::surrogate::Goals;
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::options::{FrequencyOptions, ObjectOptions, RuntimeOptions};
+use crate::options::{FrequencyOptions, ObjectOptions, RuntimeOptions, check_folder, whole};
 use crate::policies::{self, MAX_STEPS, TRIALS};
 use crate::training::TrainingResult;
 use crate::verbs::evaluate::parse_goal;
@@ -39,16 +39,16 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME")]
     recipe: Option<String>,
     /// Steps of the surrogate to learn from, rounded up to whole rollouts [default: the recipe's, 500000; 1000000 of benchmark]
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_parser = whole::<u64>(1, u64::MAX))]
     steps: Option<u64>,
     /// Train so many seeds and keep the best
-    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    #[arg(long, default_value_t = 3, value_parser = whole::<u64>(1, 1000))]
     seeds: u64,
     /// First of the seeds
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Trials on which seeds are compared
-    #[arg(long, default_value_t = TRIALS, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, default_value_t = TRIALS, value_parser = whole::<u64>(1, u64::MAX))]
     trials: u64,
     /// Leave high-force actions unmasked, as the paper
     #[arg(long)]
@@ -60,7 +60,7 @@ pub struct Arguments {
     #[arg(long)]
     overwrite: bool,
     /// Trainings at once [default: one per core]
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_parser = whole::<u16>(1, u16::MAX.into()))]
     threads: Option<u16>,
     #[command(flatten)]
     runtime: RuntimeOptions,
@@ -131,6 +131,9 @@ pub fn run(arguments: &Arguments) -> Ended {
             label.as_deref(),
         ))
     });
+    if arguments.output.is_some() {
+        check_folder(&path, "--output")?;
+    }
     let shield = ready.task.policy.shield;
     let plan = TrainingPlan {
         method: arguments.method,

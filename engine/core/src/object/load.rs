@@ -108,7 +108,7 @@ fn read(path: &Path) -> Result<String, (String, String)> {
     let metadata = fs::metadata(path).map_err(|error| {
         fault(
             format!("the object file cannot be read: {error}"),
-            "check the path",
+            "give the path of an object file",
         )
     })?;
     if metadata.is_dir() {
@@ -195,7 +195,8 @@ fn refuse_other_schema(merged: &Merged, places: &Places) -> Result<(), Faults> {
     }
 }
 
-fn syntax_faults(places: &Places, errors: Vec<document::SyntaxError>) -> Faults {
+fn syntax_faults(places: &Places, mut errors: Vec<document::SyntaxError>) -> Faults {
+    errors.sort_by_key(|error| error.span.as_ref().map(|span| span.start));
     let help = "the file is TOML (https://toml.io); the rest is checked once it can be read";
     let fault = |error: document::SyntaxError| {
         let message = format!("this is not TOML: {}", error.message);

@@ -21,8 +21,10 @@ pub fn render(faults: &Faults, color: bool) -> String {
     texts.join("\n\n")
 }
 
+/// A message's first line is the title, the others are notes below the source line.
 fn group(fault: &Fault) -> Group<'_> {
-    let group = Level::ERROR.primary_title(fault.message.as_str());
+    let mut lines = fault.message.lines();
+    let group = Level::ERROR.primary_title(lines.next().unwrap_or_default());
     let group = match &fault.excerpt {
         Some(excerpt) => group.element(
             Snippet::source(excerpt.line.as_str())
@@ -32,5 +34,8 @@ fn group(fault: &Fault) -> Group<'_> {
         ),
         None => group.element(Origin::path(fault.file.as_str())),
     };
-    group.element(Level::HELP.message(fault.help.as_str()))
+    let notes = lines.map(|line| Level::NOTE.message(line.trim_start()));
+    group
+        .elements(notes)
+        .element(Level::HELP.message(fault.help.as_str()))
 }

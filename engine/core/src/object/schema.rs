@@ -134,6 +134,7 @@ impl Range {
             (Some(low), None) if self.above_low => format!("above {low}"),
             (Some(low), None) => format!("{low} or more"),
             (Some(low), Some(high)) if self.above_low => format!("above {low} and {upper} {high}"),
+            (Some(low), Some(high)) if low == high => format!("exactly {low}"),
             (Some(low), Some(high)) => format!("from {low} to {high}"),
         }
     }
@@ -149,11 +150,16 @@ impl Kind {
             Self::Name => "a text of letters, digits, `_` and `-`".to_owned(),
             Self::Choice(words) => {
                 let quoted: Vec<String> = words.iter().map(|word| format!("\"{word}\"")).collect();
-                format!("one of {}", quoted.join(", "))
+                match quoted.as_slice() {
+                    [only] => only.clone(),
+                    several => format!("one of {}", several.join(", ")),
+                }
             }
             Self::Flag => "true or false".to_owned(),
+            Self::Number(FINITE) => "a finite number".to_owned(),
             Self::Number(range) => format!("a number, {}", range.describe()),
             Self::Whole(range) => format!("a whole number, {}", range.describe()),
+            Self::Numbers(count, FINITE) => format!("a list of {count} finite numbers"),
             Self::Numbers(count, range) => {
                 format!("a list of {count} numbers, each {}", range.describe())
             }

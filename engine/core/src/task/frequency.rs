@@ -34,7 +34,9 @@ pub enum FrequencyError {
         threshold_m: f64,
     },
     /// No move can be carried out in so many parts.
-    #[error("no action of `{object}` can be carried out in {times} equal parts of whole states")]
+    #[error(
+        "no action of `{object}` can be carried out in {times} equal parts of whole states; ask for a number that divides a move"
+    )]
     Indivisible {
         /// Name of the object.
         object: String,

@@ -51,13 +51,15 @@ pub struct Grid {
 #[derive(Debug, thiserror::Error)]
 pub enum GridError {
     /// Too few bins.
-    #[error("{0} bins along the joint; at least 2 are needed, for its two limits")]
+    #[error("--bins {0} has no room for both limits of the joint; give 2 or more")]
     Bins(usize),
     /// Nothing would be observed.
-    #[error("0 bins for a channel; at least 1 is needed, and 2 to tell anything")]
+    #[error("--observation-bins 0 leaves nothing to observe; give 1 or more (2 to tell anything)")]
     NoObservation,
     /// Whole states have no other grid.
-    #[error("the joint has {states} whole states, so there are as many bins, not {asked}")]
+    #[error(
+        "the joint has {states} whole states, so there are as many bins, not {asked}; leave out --bins"
+    )]
     WholeStates {
         /// How many there are.
         states: usize,
@@ -66,7 +68,7 @@ pub enum GridError {
     },
     /// More observations than a solver can serve.
     #[error(
-        "{count} observations come of {bins} bins for each channel; ask for fewer with --observation-bins"
+        "{bins} bins for each channel make {count} observations, and a solver serves at most {MOST_OBSERVATIONS}; ask for fewer with --observation-bins"
     )]
     Observations {
         /// Bins of each channel.

@@ -24,7 +24,7 @@ pub enum RecordingError {
         reason: String,
     },
     /// The file cannot be read at all.
-    #[error("{}: the recording cannot be read: {reason}", file.display())]
+    #[error("{}: the recording cannot be read: {reason}; give the path of a recording", file.display())]
     Read {
         /// The file.
         file: PathBuf,

@@ -69,7 +69,7 @@ impl Parser<'_> {
         let names = match words.as_slice() {
             [] => {
                 let message = format!("`{keyword}:` is empty");
-                return Err(self.fault_at(self.at, message, help));
+                return Err(self.fault_at(token, message, help));
             }
             &[only] => match self.tokens[only].text.parse::<usize>() {
                 Ok(0) => {

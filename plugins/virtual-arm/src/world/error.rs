@@ -12,7 +12,9 @@ pub enum WorldError {
         known: String,
     },
     /// The file cannot be read.
-    #[error("world file {path} cannot be read: {reason}")]
+    #[error(
+        "world file {path} cannot be read: {reason}; give the path of a .toml file, or the name of a world that is built in"
+    )]
     Unreadable {
         /// As asked for.
         path: String,

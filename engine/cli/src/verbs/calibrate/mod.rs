@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::driver::DriverOptions;
-use crate::options::LayerOptions;
+use crate::options::{LayerOptions, parse_not_negative, whole};
 use crate::{Ended, built_in, object};
 
 #[derive(Args)]
@@ -34,7 +34,7 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR")]
     recordings: Option<PathBuf>,
     /// Demonstrations of each movement action [default: 5, with --check 3]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100))]
+    #[arg(long, value_name = "N", value_parser = whole::<u32>(1, 100))]
     demonstrations: Option<u32>,
     /// Go on where an interrupted recording ended
     #[arg(long, conflicts_with_all = ["from", "check"])]
@@ -49,10 +49,10 @@ pub struct Arguments {
     #[arg(long, value_name = "DIR", requires = "from", conflicts_with_all = ["check", "dry_run"])]
     export: Option<PathBuf>,
     /// Refuse a resting sensor that is further off than this [default: half of control.force_threshold_n]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_not_negative)]
     baseline_off_n: Option<f64>,
     /// Refuse a resting sensor whose standard deviation is greater [default: a tenth of control.force_threshold_n]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = parse_not_negative)]
     baseline_noise_n: Option<f64>,
     #[command(flatten)]
     driver: DriverOptions,

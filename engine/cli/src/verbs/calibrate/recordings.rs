@@ -52,7 +52,7 @@ fn read_one(file: &Path) -> Result<(Recording, Source), Failure> {
         .extension()
         .is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
     if is_table {
-        return csv::read(file).map_err(|refused| Failure::invalid(refused.to_string()));
+        return csv::read(file).map_err(|refused| Failure::each(refused.to_string()));
     }
     let recording = recording::read(file).map_err(|error| Failure::invalid(error.to_string()))?;
     Ok((recording, Source::mcap(file)))
@@ -117,7 +117,7 @@ fn refuse(faults: &[Fault]) -> Result<(), Failure> {
     if faults.len() > SHOWN {
         lines.push(format!("and {} more", faults.len() - SHOWN));
     }
-    Err(Failure::invalid(lines.join("\nerror: ")))
+    Err(Failure::each(lines.join("\n")))
 }
 
 fn enough_in_all(

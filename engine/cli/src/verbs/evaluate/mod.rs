@@ -17,7 +17,7 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::object::Ready;
-use crate::options::{FrequencyOptions, LayerOptions, RuntimeOptions};
+use crate::options::{FrequencyOptions, LayerOptions, RuntimeOptions, whole};
 use crate::policies::{self, MAX_STEPS};
 use crate::{Ended, built_in, exit, object, show};
 
@@ -42,10 +42,10 @@ pub struct Arguments {
     #[arg(long, value_name = "GOAL", allow_hyphen_values = true)]
     goal: Option<String>,
     /// Number of trials
-    #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, default_value_t = 10_000, value_parser = whole::<u64>(1, u64::MAX))]
     trials: u64,
     /// A trial times out after so many policy steps
-    #[arg(long, default_value_t = MAX_STEPS, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = MAX_STEPS, value_parser = whole::<u32>(1, u32::MAX.into()))]
     max_steps: u32,
     /// Leave high-force actions unmasked, as the paper; alpha vectors and policies without a belief
     /// always do, since a shield looks at the belief
@@ -60,7 +60,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Threads; they never change a figure [default: all cores]
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_parser = whole::<u16>(1, u16::MAX.into()))]
     threads: Option<u16>,
     #[command(flatten)]
     layers: LayerOptions,
@@ -181,9 +181,10 @@ fn judge(
     let file = policies::named(path, foreign, task, &[asked])?;
     let goal = asked.or_else(|| policies::fixed_goal(&file));
     if goal.is_none() && file.contract().is_none() {
-        return Err(Failure::invalid(
-            "a policy without a contract does not say its goal: add --goal",
-        ));
+        return Err(Failure::invalid(format!(
+            "{} carries no contract that says its goal: add --goal, such as --goal 0.5",
+            path.display()
+        )));
     }
     // A shield looks at a belief, which a policy on raw observations does not have.
     let believes = file.inputs().iter().any(FeatureName::is_of_belief);
@@ -227,12 +228,13 @@ fn object_path(arguments: &Arguments, solved: Option<&GridOrigin>) -> Result<Pat
     if let Some(object) = &arguments.object {
         return Ok(object.clone());
     }
-    if !arguments.inputs.is_empty() {
-        return Err(Failure::invalid(
-            "a policy without a contract does not say its object: add --object FILE",
-        ));
-    }
     let policy = &arguments.policies[0];
+    if !arguments.inputs.is_empty() {
+        return Err(Failure::invalid(format!(
+            "{} carries no contract that says its object: add --object FILE",
+            policy.display()
+        )));
+    }
     let name = match solved {
         Some(origin) => origin.object.clone(),
         None => {
@@ -246,7 +248,7 @@ fn object_path(arguments: &Arguments, solved: Option<&GridOrigin>) -> Result<Pat
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty());
     let beside = folder
-        .unwrap_or(std::path::Path::new("."))
+        .unwrap_or(std::path::Path::new(""))
         .join("../objects")
         .join(format!("{name}.toml"));
     if beside.exists() {
@@ -257,7 +259,8 @@ fn object_path(arguments: &Arguments, solved: Option<&GridOrigin>) -> Result<Pat
         return Ok(here);
     }
     Err(Failure::invalid(format!(
-        "the policy is for the object `{name}`; its file is neither {} nor {}: add --object FILE",
+        "{} is for the object `{name}`, whose file is neither {} nor {}: add --object FILE",
+        policy.display(),
         beside.display(),
         here.display()
     )))

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use pubs_solve::{TrialOptions, TrialSummary, simulate};
 use serde::Serialize;
 
-use super::{Arguments, alpha, tell};
+use super::{Arguments, alpha, has_end, tell};
 use crate::failure::Failure;
 use crate::{Ended, exit, pomdp_file};
 
@@ -47,10 +47,17 @@ pub(super) fn run(arguments: &Arguments, file: &Path) -> Ended {
     let pomdp = pomdp_file::load(file)?;
     let mut reports = Vec::new();
     for path in &arguments.policies {
+        if has_end(path, "onnx") {
+            return Err(Failure::incompatible(format!(
+                "{} is a policy network, which reads the belief of an object; {} takes alpha vectors (.json), as `solve` writes them",
+                path.display(),
+                file.display()
+            )));
+        }
         let policy = alpha::read(path)?;
         policy
             .check_problem(&pomdp)
-            .map_err(|error| Failure::incompatible(error.to_string()))?;
+            .map_err(|error| Failure::incompatible(format!("{}: {error}", path.display())))?;
         let options = TrialOptions {
             trials: arguments.trials as usize,
             max_steps: arguments.max_steps as usize,

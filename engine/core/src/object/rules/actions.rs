@@ -15,7 +15,15 @@ pub(super) fn check(rules: &mut Rules<'_>) {
     let count = super::lookup(&rules.merged.values, "action")
         .and_then(|list| list.as_array())
         .map(<[_]>::len);
-    let refused = rules.at_fault.iter().any(|fault| fault.key == "action");
+    let is_list_or_element = |key: &str| match key.strip_prefix("action") {
+        Some("") => true,
+        Some(rest) => rest[1..].parse::<usize>().is_ok(),
+        None => false,
+    };
+    let refused = rules
+        .at_fault
+        .iter()
+        .any(|fault| is_list_or_element(&fault.key));
     let Some(count) = count.filter(|_| !refused) else {
         return;
     };

@@ -69,6 +69,17 @@ fn high_mode(rules: &mut Rules<'_>, stop: &Stop, speed: f64) {
     if left > threshold_n {
         return;
     }
+    if left <= 0.0 {
+        rules.fault(
+            culprit(rules, "control.high_speed_m_s"),
+            format!(
+                "a stop in high-force mode adds more force than the whole of force_limit_n, {limit_n} N: {}",
+                stop.arithmetic(speed)
+            ),
+            stop.cure("high_speed_m_s"),
+        );
+        return;
+    }
     rules.fault(
         culprit(rules, "control.high_speed_m_s"),
         format!(

@@ -24,11 +24,18 @@
 )]
 
 use std::fs;
+use std::io::{Read, Seek};
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use crate::common::{Answer, command, command_of, path_text, root, shipped_plugins};
 use crate::damage;
+
+/// A refusal comes at once; what takes longer is no refusal.
+const PATIENCE: Duration = Duration::from_secs(30);
 
 /// Where the snapshots lie.
 pub fn folder() -> PathBuf {
@@ -228,7 +235,7 @@ impl Bench<'_> {
         for name in ["COLUMNS", "NO_COLOR", "CLICOLOR_FORCE"] {
             command.env_remove(name);
         }
-        Answer::of(command.envs(environment.iter().cloned()))
+        answer_in_time(line, command.envs(environment.iter().cloned()))
     }
 
     /// The words that stand for places, as these places.
@@ -262,6 +269,39 @@ impl Bench<'_> {
         text.replace(&format!("127.0.0.1:{}", self.port), "127.0.0.1:PORT")
             .replace(env!("CARGO_PKG_VERSION"), "VERSION")
     }
+}
+
+/// Runs a command that must end soon; its streams go to files, so that it never waits for a reader.
+fn answer_in_time(line: &str, command: &mut Command) -> Answer {
+    let (mut stdout, mut stderr) = (tempfile::tempfile().unwrap(), tempfile::tempfile().unwrap());
+    let begun = Instant::now();
+    let mut process = command
+        .stdout(stdout.try_clone().unwrap())
+        .stderr(stderr.try_clone().unwrap())
+        .spawn()
+        .unwrap();
+    let status = loop {
+        if let Some(status) = process.try_wait().unwrap() {
+            break status;
+        }
+        if begun.elapsed() > PATIENCE {
+            process.kill().unwrap();
+            panic!("{line}: no end after {} s", PATIENCE.as_secs());
+        }
+        thread::sleep(Duration::from_millis(5));
+    };
+    let read = |file: &mut fs::File| {
+        let mut bytes = Vec::new();
+        file.rewind().unwrap();
+        file.read_to_end(&mut bytes).unwrap();
+        bytes
+    };
+    let output = Output {
+        status,
+        stdout: read(&mut stdout),
+        stderr: read(&mut stderr),
+    };
+    Answer::from_output(line.to_owned(), output)
 }
 
 fn copy_files(from: &Path, to: &Path) {

@@ -6,6 +6,8 @@ mod census;
 mod common;
 #[path = "common/damage.rs"]
 mod damage;
+#[path = "common/in_time.rs"]
+mod in_time;
 #[path = "common/snapshots.rs"]
 mod snapshots;
 

@@ -23,19 +23,15 @@
     reason = "a test may fail, and says with what it failed"
 )]
 
+use std::collections::BTreeMap;
 use std::fs;
-use std::io::{Read, Seek};
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-use std::thread;
-use std::time::{Duration, Instant};
+use std::sync::Mutex;
 
 use crate::common::{Answer, command, command_of, path_text, root, shipped_plugins};
 use crate::damage;
-
-/// A refusal comes at once; what takes longer is no refusal.
-const PATIENCE: Duration = Duration::from_secs(30);
+use crate::in_time::answer_in_time;
 
 /// Where the snapshots lie.
 pub fn folder() -> PathBuf {
@@ -86,7 +82,8 @@ enum Step {
     Folder(String),
     /// `environment NAME=VALUE`.
     Environment(String, String),
-    /// `before COMMAND`: one that succeeds.
+    /// `before COMMAND`: one that succeeds. It is run once, on the files as they are at first, and
+    /// what it writes is put into each folder that asks for it.
     Before(String),
 }
 
@@ -166,6 +163,9 @@ impl Case {
     }
 }
 
+/// Names and contents.
+type Files = Vec<(String, Vec<u8>)>;
+
 /// Where a case is tried.
 struct Bench<'a> {
     folder: &'a Path,
@@ -207,11 +207,34 @@ impl Bench<'_> {
                 environment.push((name.clone(), self.meant(value)));
             }
             Step::Before(line) => {
-                let answer = self.run(line, environment);
-                assert_eq!(answer.code, 0, "{title}: {line}: {}", answer.stderr);
+                for (name, content) in self.written_by(line) {
+                    self.write(&name, &content);
+                }
             }
         }
         true
+    }
+
+    /// Names and contents of the files that a command writes.
+    fn written_by(&self, line: &str) -> Files {
+        static WRITTEN: Mutex<BTreeMap<String, Files>> = Mutex::new(BTreeMap::new());
+        let mut written = WRITTEN.lock().unwrap();
+        let files = written.entry(line.to_owned()).or_insert_with(|| {
+            let place = tempfile::tempdir().unwrap();
+            copy_files(&folder().join("files"), place.path());
+            let bench = Bench {
+                folder: place.path(),
+                port: self.port,
+            };
+            let answer = bench.run(line, &[]);
+            assert_eq!(answer.code, 0, "{line}: {}", answer.stderr);
+            let entries = fs::read_dir(place.path()).unwrap();
+            let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+            let new = names.filter(|name| !folder().join("files").join(name).exists());
+            new.map(|name| (name.clone(), fs::read(place.path().join(name)).unwrap()))
+                .collect()
+        });
+        files.clone()
     }
 
     fn text(&self, file: &str) -> String {
@@ -269,39 +292,6 @@ impl Bench<'_> {
         text.replace(&format!("127.0.0.1:{}", self.port), "127.0.0.1:PORT")
             .replace(env!("CARGO_PKG_VERSION"), "VERSION")
     }
-}
-
-/// Runs a command that must end soon; its streams go to files, so that it never waits for a reader.
-fn answer_in_time(line: &str, command: &mut Command) -> Answer {
-    let (mut stdout, mut stderr) = (tempfile::tempfile().unwrap(), tempfile::tempfile().unwrap());
-    let begun = Instant::now();
-    let mut process = command
-        .stdout(stdout.try_clone().unwrap())
-        .stderr(stderr.try_clone().unwrap())
-        .spawn()
-        .unwrap();
-    let status = loop {
-        if let Some(status) = process.try_wait().unwrap() {
-            break status;
-        }
-        if begun.elapsed() > PATIENCE {
-            process.kill().unwrap();
-            panic!("{line}: no end after {} s", PATIENCE.as_secs());
-        }
-        thread::sleep(Duration::from_millis(5));
-    };
-    let read = |file: &mut fs::File| {
-        let mut bytes = Vec::new();
-        file.rewind().unwrap();
-        file.read_to_end(&mut bytes).unwrap();
-        bytes
-    };
-    let output = Output {
-        status,
-        stdout: read(&mut stdout),
-        stderr: read(&mut stderr),
-    };
-    Answer::from_output(line.to_owned(), output)
 }
 
 fn copy_files(from: &Path, to: &Path) {

@@ -6,6 +6,8 @@ mod census;
 mod common;
 #[path = "common/damage.rs"]
 mod damage;
+#[path = "common/in_time.rs"]
+mod in_time;
 #[path = "common/snapshots.rs"]
 mod snapshots;
 
@@ -99,18 +101,28 @@ fn no_text_shows_the_insides_of_the_program() {
     }
 }
 
+fn kept() -> Vec<String> {
+    let cases = families().into_iter().flat_map(|family| family.cases);
+    cases.map(|case| case.kept).collect()
+}
+
 #[test]
 fn every_text_in_the_code_is_in_a_snapshot_or_accounted_for() {
-    let kept: Vec<String> = families()
-        .into_iter()
-        .flat_map(|family| family.cases)
-        .map(|case| case.kept)
-        .collect();
-    let missing = census::unaccounted(&kept);
+    let missing = census::unaccounted(&kept());
     assert!(
         missing.is_empty(),
         "no snapshot shows these texts; add a case to tests/errors, or the reason why there can be none \
          to tests/errors/elsewhere.tsv:\n{}",
+        missing.join("\n")
+    );
+}
+
+#[test]
+fn every_key_of_the_object_file_is_refused_in_a_snapshot() {
+    let missing = census::keys_never_refused(&kept());
+    assert!(
+        missing.is_empty(),
+        "no snapshot refuses a value of these keys; add them to tests/errors/objects-values.txt:\n{}",
         missing.join("\n")
     );
 }

@@ -269,7 +269,8 @@ fn segment_faults(loaded: &LoadedObject, error: &HostError) -> Vec<Fault> {
         return Vec::new();
     };
     let faults = text.lines().filter_map(|line| {
-        if line.starts_with("segments: ") || line.starts_with('(') {
+        let of_all = ["segments: ", "segment: ", "("];
+        if of_all.iter().any(|start| line.starts_with(start)) {
             return Some(loaded.fault(
                 "observation",
                 line,

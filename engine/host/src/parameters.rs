@@ -301,11 +301,17 @@ mod tests {
         faults.sort();
         let expected = [
             ("/params/a~1b: ", "no key `a/b` (value [1])"),
-            ("/params/name: ", "\"up\""),
-            ("/params/slope: ", "-1 is less than the minimum of 0"),
+            (
+                "/params/name: ",
+                "`name` is \"up\"; it must be one of \"left\", \"right\"",
+            ),
+            ("/params/slope: ", "`slope` is -1; it must be 0 or more"),
             ("/parms: ", "did you mean `params`?"),
             ("/segment/1/form_deg: ", "did you mean `from_deg`?"),
-            ("/segment/1/from_deg: ", "\"x\" is not of type \"number\""),
+            (
+                "/segment/1/from_deg: ",
+                "`from_deg` is \"x\"; it must be a number",
+            ),
         ];
         assert_eq!(faults.len(), expected.len(), "{faults:#?}");
         for (fault, (place, words)) in faults.iter().zip(expected) {

@@ -287,7 +287,7 @@ fn all_faults_come_out_at_once() {
         "segment[1] (open, f_d): mean_n[0] is nan or inf",
         "segment[1] (open, f_d): mean_n[1] is \"x\"",
         "segment[2] (open, f_n): key position_deg is in the wrong unit",
-        "(open, f_z): there is no segment; every movement action needs every channel",
+        "segments: there is none for (open, f_z); every movement action needs every channel",
     ];
     assert_eq!(found.len(), words.len(), "{found:#?}");
     for (line, words) in found.iter().zip(words) {

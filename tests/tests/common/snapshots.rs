@@ -23,12 +23,15 @@
     reason = "a test may fail, and says with what it failed"
 )]
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 use crate::common::{Answer, command, command_of, path_text, root, shipped_plugins};
 use crate::damage;
+use crate::in_time::answer_in_time;
 
 /// Where the snapshots lie.
 pub fn folder() -> PathBuf {
@@ -79,7 +82,8 @@ enum Step {
     Folder(String),
     /// `environment NAME=VALUE`.
     Environment(String, String),
-    /// `before COMMAND`: one that succeeds.
+    /// `before COMMAND`: one that succeeds. It is run once, on the files as they are at first, and
+    /// what it writes is put into each folder that asks for it.
     Before(String),
 }
 
@@ -159,6 +163,9 @@ impl Case {
     }
 }
 
+/// Names and contents.
+type Files = Vec<(String, Vec<u8>)>;
+
 /// Where a case is tried.
 struct Bench<'a> {
     folder: &'a Path,
@@ -200,11 +207,34 @@ impl Bench<'_> {
                 environment.push((name.clone(), self.meant(value)));
             }
             Step::Before(line) => {
-                let answer = self.run(line, environment);
-                assert_eq!(answer.code, 0, "{title}: {line}: {}", answer.stderr);
+                for (name, content) in self.written_by(line) {
+                    self.write(&name, &content);
+                }
             }
         }
         true
+    }
+
+    /// Names and contents of the files that a command writes.
+    fn written_by(&self, line: &str) -> Files {
+        static WRITTEN: Mutex<BTreeMap<String, Files>> = Mutex::new(BTreeMap::new());
+        let mut written = WRITTEN.lock().unwrap();
+        let files = written.entry(line.to_owned()).or_insert_with(|| {
+            let place = tempfile::tempdir().unwrap();
+            copy_files(&folder().join("files"), place.path());
+            let bench = Bench {
+                folder: place.path(),
+                port: self.port,
+            };
+            let answer = bench.run(line, &[]);
+            assert_eq!(answer.code, 0, "{line}: {}", answer.stderr);
+            let entries = fs::read_dir(place.path()).unwrap();
+            let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+            let new = names.filter(|name| !folder().join("files").join(name).exists());
+            new.map(|name| (name.clone(), fs::read(place.path().join(name)).unwrap()))
+                .collect()
+        });
+        files.clone()
     }
 
     fn text(&self, file: &str) -> String {
@@ -228,7 +258,7 @@ impl Bench<'_> {
         for name in ["COLUMNS", "NO_COLOR", "CLICOLOR_FORCE"] {
             command.env_remove(name);
         }
-        Answer::of(command.envs(environment.iter().cloned()))
+        answer_in_time(line, command.envs(environment.iter().cloned()))
     }
 
     /// The words that stand for places, as these places.

@@ -284,7 +284,7 @@ mod tests {
                 Kind::Whole(from_to(2.0, 9.0)),
                 "a whole number, from 2 to 9",
             ),
-            (Kind::Numbers(3, FINITE), "a list of 3 numbers, each finite"),
+            (Kind::Numbers(3, FINITE), "a list of 3 finite numbers"),
             (Kind::Choice(&["sis"]), "one of \"sis\""),
         ];
         for (kind, expected) in cases {

@@ -12,10 +12,12 @@ pub enum WorldError {
         known: String,
     },
     /// The file cannot be read.
-    #[error("world file {path} cannot be read: {reason}")]
+    #[error("world file {path} cannot be read: {reason} (relative paths begin at {folder})")]
     Unreadable {
         /// As asked for.
         path: String,
+        /// Where the program was started: what a relative path begins at.
+        folder: String,
         /// The system's account.
         reason: String,
     },

@@ -147,7 +147,15 @@ fn a_new_object_is_fitted_in_place_with_its_comments_kept() {
     let (head, _) = shipped.split_once("# Calibration segments").unwrap();
     let own = format!("{}\n# my own last words\n", head.trim_end());
     fs::write(folder.join("objects/drawer2.toml"), &own).unwrap();
-    pubs(folder, &["check", "objects/drawer2.toml"]).assert_code(2);
+    pubs(folder, &["check", "objects/drawer2.toml"])
+        .assert_code(0)
+        .assert_says(&[
+            "not calibrated yet",
+            "pubs-engine calibrate objects/drawer2.toml",
+        ]);
+    pubs(folder, &["train", "objects/drawer2.toml"])
+        .assert_code(2)
+        .assert_says(&["the object is not calibrated", "pubs-engine calibrate"]);
     let more = ["--lockstep", "--dry-run"];
     let answer = calibrate(folder, "drawer2", &more);
     answer

@@ -49,6 +49,8 @@ enum Verb {
     Replay(verbs::replay::Arguments),
     /// Check object files and report every fault at its line
     Check(verbs::check::Arguments),
+    /// Write a new object file, commented, from flags or a few questions
+    New(verbs::new::Arguments),
     /// Print the engine's default settings, commented
     Config(verbs::config::Arguments),
     /// Record demonstrations and fit an object's observation model, or check that it still holds
@@ -88,6 +90,7 @@ fn main() -> ExitCode {
         Verb::Run(arguments) => verbs::run::run(&arguments),
         Verb::Replay(arguments) => verbs::replay::run(&arguments),
         Verb::Check(arguments) => verbs::check::run(&arguments),
+        Verb::New(arguments) => verbs::new::run(&arguments),
         Verb::Config(arguments) => verbs::config::run(&arguments),
         Verb::Calibrate(arguments) => verbs::calibrate::run(&arguments),
         Verb::Plot(arguments) => verbs::plot::run(&arguments),

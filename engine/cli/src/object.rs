@@ -14,6 +14,9 @@ use crate::built_in;
 use crate::failure::Failure;
 use crate::show;
 
+/// The observation model that `calibrate` writes segments for.
+const SEGMENTS: &str = "segments";
+
 /// Everything that a verb needs of an object.
 pub struct Ready {
     /// The file, compiled.
@@ -61,7 +64,10 @@ pub fn without_driver(
     seed: u64,
 ) -> Result<Ready, Failure> {
     let task = compile(&loaded.file).map_err(|error| Failure::fault(&error))?;
-    let faults = model_faults(&loaded, &task, registry);
+    let mut faults = model_faults(&loaded, &task, registry);
+    if faults.is_empty() && is_uncalibrated(&loaded) {
+        faults.push(uncalibrated_fault(&loaded));
+    }
     if !faults.is_empty() {
         return Err(Failure::Faults(Faults(faults)));
     }
@@ -120,9 +126,21 @@ pub fn without_model_of(
     Ok((loaded, Arc::new(task)))
 }
 
-/// Everything about one file that can be checked without moving anything.
-pub fn faults(path: &Path, overrides: &Overrides, registry: &Registry) -> Vec<Fault> {
-    faults_of(object::load(path, overrides), registry)
+/// What a check of one file has found.
+pub struct Checked {
+    /// Everything that can be checked without moving anything.
+    pub faults: Vec<Fault>,
+    /// Whether the file waits for its calibration, which is no fault.
+    pub uncalibrated: bool,
+}
+
+/// Checks one file.
+pub fn check(path: &Path, overrides: &Overrides, registry: &Registry) -> Checked {
+    let loaded = object::load(path, overrides);
+    Checked {
+        uncalibrated: loaded.as_ref().is_ok_and(is_uncalibrated),
+        faults: faults_of(loaded, registry),
+    }
 }
 
 /// The same of a text that is not in its file yet.
@@ -149,7 +167,7 @@ fn faults_of(loaded: Result<LoadedObject, Faults>, registry: &Registry) -> Vec<F
         Err(error) => return vec![loaded.fault("schema", error.to_string(), "report this")],
     };
     let faults = parameter_faults(&loaded, &task, registry);
-    if !faults.is_empty() {
+    if !faults.is_empty() || is_uncalibrated(&loaded) {
         return faults;
     }
     let created = registry
@@ -168,6 +186,24 @@ fn faults_of(loaded: Result<LoadedObject, Faults>, registry: &Registry) -> Vec<F
     }
 }
 
+/// Whether an arm's object has yet to be calibrated: `calibrate` writes segments for the built-in
+/// model, and there are none.
+fn is_uncalibrated(loaded: &LoadedObject) -> bool {
+    let observation = &loaded.file.observation;
+    loaded.file.control.is_some() && observation.model == SEGMENTS && observation.segment.is_none()
+}
+
+fn uncalibrated_fault(loaded: &LoadedObject) -> Fault {
+    loaded.fault(
+        "observation",
+        "the object is not calibrated: it has no [[observation.segment]] tables",
+        format!(
+            "`pubs-engine calibrate {}` records demonstrations and writes them",
+            loaded.path().display()
+        ),
+    )
+}
+
 /// What plugins say of the tables that are theirs.
 fn parameter_faults(loaded: &LoadedObject, task: &Task, registry: &Registry) -> Vec<Fault> {
     let mut faults = model_faults(loaded, task, registry);
@@ -179,7 +215,12 @@ fn model_faults(loaded: &LoadedObject, task: &Task, registry: &Registry) -> Vec<
     let mut faults = Vec::new();
     match registry.observation_model(&task.observation.model) {
         Ok(plugin) => {
-            let found = plugin.check_parameters(&task.observation.table);
+            let mut table = task.observation.table.clone();
+            if is_uncalibrated(loaded) {
+                // The rest of the table is checked as if the segments were there.
+                table["segment"] = serde_json::json!([]);
+            }
+            let found = plugin.check_parameters(&table);
             faults.extend(at_their_lines(
                 loaded,
                 "observation",

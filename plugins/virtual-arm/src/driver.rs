@@ -1,10 +1,11 @@
 //! The simulated scene as a [`Driver`].
 
-use pubs_plugin::{Driver, DriverSetup, PluginError, Reading, Twist};
+use pubs_plugin::{Driver, DriverSetup, JointType, PluginError, Reading, Twist};
 
 use crate::clock::monotonic_ns;
 use crate::params::{self, Params};
 use crate::simulation::Simulation;
+use crate::world::World;
 
 /// A simulated arm with its tool on a simulated object.
 ///
@@ -34,6 +35,20 @@ impl VirtualArm {
     }
 }
 
+/// Refuses an object file that takes a hinge for a slide, or a slide for a hinge.
+fn same_kind(believed: JointType, name: &str, world: &World) -> Result<(), PluginError> {
+    let (kind, expected, word) = match world.joint.radius_m {
+        Some(_) => ("a hinge", JointType::Revolute, "revolute"),
+        None => ("a slide", JointType::Prismatic, "prismatic"),
+    };
+    if believed == expected {
+        return Ok(());
+    }
+    Err(PluginError::new(format!(
+        "params: world \"{name}\" has {kind}, which the object's joint is not; name another world, or write joint.type = \"{word}\""
+    )))
+}
+
 impl Driver for VirtualArm {
     const NAME: &'static str = "virtual-arm";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
@@ -45,6 +60,7 @@ impl Driver for VirtualArm {
         let world = params
             .world()
             .map_err(|error| PluginError::new(error.to_string()))?;
+        same_kind(setup.joint.r#type, &params.world, &world)?;
         let deceleration = setup.control.stop_deceleration_m_s2;
         if !(deceleration > 0.0 && deceleration.is_finite()) {
             return Err(PluginError::new(format!(

@@ -13,7 +13,7 @@ pub(crate) const SCHEMA: &str = r#"{
   "additionalProperties": false,
   "required": ["world"],
   "properties": {
-    "world": { "type": "string", "description": "built-in world, or path of a .toml file" },
+    "world": { "type": "string", "pattern": "^(door1|door2|drawer1|drawer2|fridge|.*[.]toml)$", "description": "what is true of the object: a built-in world (door1, door2, drawer1, drawer2, fridge) or the path of a world file (.toml); relative paths begin where the program is started" },
     "start": { "type": "number", "minimum": 0, "maximum": 1, "description": "joint state at first, as a fraction of the range; drawn from the seed where left out" },
     "friction_scale": { "type": "number", "minimum": 0, "maximum": 10, "description": "dry and viscous friction times this" },
     "catch_scale": { "type": "number", "minimum": 0, "maximum": 10, "description": "force of catch and seal times this" },
@@ -100,5 +100,22 @@ impl Params {
         world.resistance.scale_catch(self.catch_scale);
         world.sensor.offset_n = self.sensor_offset_n.into();
         Ok(world)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn the_schema_knows_every_built_in_world() {
+        let schema: Value = serde_json::from_str(SCHEMA).unwrap();
+        let world = &schema["properties"]["world"];
+        let names: Vec<&str> = World::built_in().collect();
+        let pattern = format!("^({}|.*[.]toml)$", names.join("|"));
+        assert_eq!(world["pattern"], pattern.as_str());
+        let described = world["description"].as_str().unwrap();
+        assert!(described.contains(&names.join(", ")), "{described}");
     }
 }

@@ -306,6 +306,10 @@ fn faulty_params_are_named() {
             "/nowhere/door.toml cannot be read",
         ),
         (
+            json!({ "world": "drawer1" }),
+            "has a slide, which the object's joint is not",
+        ),
+        (
             json!({ "world": "door2", "start": 1.5 }),
             "start = 1.5, but it must lie in 0 to 1",
         ),

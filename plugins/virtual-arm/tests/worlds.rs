@@ -5,7 +5,7 @@
 use pubs_virtual_arm::resistance::Resisting;
 use pubs_virtual_arm::world::World;
 
-const SHIPPED: [&str; 4] = ["door1", "door2", "drawer1", "drawer2"];
+const SHIPPED: [&str; 5] = ["door1", "door2", "drawer1", "drawer2", "fridge"];
 
 const DOOR2: &str = include_str!("../worlds/door2.toml");
 

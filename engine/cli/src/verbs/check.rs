@@ -26,6 +26,8 @@ pub struct Arguments {
 struct Report {
     ok: bool,
     files: usize,
+    /// Files without faults that wait for their calibration.
+    uncalibrated: Vec<PathBuf>,
     faults: Vec<Fault>,
 }
 
@@ -39,8 +41,13 @@ pub fn run(arguments: &Arguments) -> Ended {
             Err(Faults(found)) => faults.extend(found),
         }
     }
+    let mut uncalibrated = Vec::new();
     for file in &files {
-        faults.extend(crate::object::faults(file, &overrides, &registry));
+        let checked = crate::object::check(file, &overrides, &registry);
+        if checked.faults.is_empty() && checked.uncalibrated {
+            uncalibrated.push(file.clone());
+        }
+        faults.extend(checked.faults);
     }
     let code = if faults.is_empty() {
         exit::DONE
@@ -51,6 +58,7 @@ pub fn run(arguments: &Arguments) -> Ended {
         show::print_json(&Report {
             ok: faults.is_empty(),
             files: files.len(),
+            uncalibrated,
             faults,
         })?;
         return Ok(code);
@@ -70,5 +78,11 @@ pub fn run(arguments: &Arguments) -> Ended {
         files.len(),
         plural(files.len())
     ))?;
+    for file in uncalibrated {
+        show::note(&format!(
+            "note: {} is not calibrated yet: pubs-engine calibrate {0}",
+            file.display()
+        ));
+    }
     Ok(code)
 }

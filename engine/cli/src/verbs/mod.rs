@@ -7,6 +7,7 @@ pub mod config;
 pub mod doctor;
 pub mod evaluate;
 pub mod man;
+pub mod new;
 pub mod plot;
 pub mod plugin_check;
 pub mod plugins;

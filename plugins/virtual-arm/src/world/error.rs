@@ -13,11 +13,13 @@ pub enum WorldError {
     },
     /// The file cannot be read.
     #[error(
-        "world file {path} cannot be read: {reason}; give the path of a .toml file, or the name of a world that is built in"
+        "world file {path} cannot be read: {reason} (relative paths begin at {folder}); give the path of a .toml file, or the name of a world that is built in"
     )]
     Unreadable {
         /// As asked for.
         path: String,
+        /// Where the program was started: what a relative path begins at.
+        folder: String,
         /// The system's account.
         reason: String,
     },

@@ -19,9 +19,15 @@ const BUILT_IN: &[(&str, &str)] = &[
     ("door2", include_str!("../../worlds/door2.toml")),
     ("drawer1", include_str!("../../worlds/drawer1.toml")),
     ("drawer2", include_str!("../../worlds/drawer2.toml")),
+    ("fridge", include_str!("../../worlds/fridge.toml")),
 ];
 
 impl World {
+    /// The names of the built-in worlds.
+    pub fn built_in() -> impl Iterator<Item = &'static str> {
+        BUILT_IN.iter().map(|(name, _)| *name)
+    }
+
     /// Reads a built-in world by name, or a file where the name ends in `.toml`.
     ///
     /// # Errors
@@ -31,11 +37,7 @@ impl World {
             return Self::parse(name, text);
         }
         if !name.ends_with(".toml") {
-            let known = BUILT_IN
-                .iter()
-                .map(|(known, _)| *known)
-                .collect::<Vec<_>>()
-                .join(", ");
+            let known = Self::built_in().collect::<Vec<_>>().join(", ");
             return Err(WorldError::Unknown {
                 name: name.to_owned(),
                 known,
@@ -43,6 +45,8 @@ impl World {
         }
         let text = std::fs::read_to_string(name).map_err(|error| WorldError::Unreadable {
             path: name.to_owned(),
+            folder: std::env::current_dir()
+                .map_or_else(|_| "?".to_owned(), |folder| folder.display().to_string()),
             reason: error.to_string(),
         })?;
         Self::parse(name, &text)

@@ -40,6 +40,19 @@ pub fn sibling_folder(object: &Path, name: &str) -> PathBuf {
         .map_or_else(|| folder.join("..").join(name), |parent| parent.join(name))
 }
 
+/// Makes the folder of a policy that is to be trained, before the training takes its time.
+///
+/// # Errors
+/// Where it cannot be made.
+pub fn make_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|error| {
+        Failure::invalid(format!(
+            "cannot make the folder {}: {error}",
+            folder.display()
+        ))
+    })
+}
+
 /// A file that the user named; it must fit every goal.
 ///
 /// # Errors
@@ -105,12 +118,7 @@ pub fn found_or_trained(
         "note: no policy in {} fits; training one for every goal, which takes about half a minute",
         folder.display()
     ));
-    std::fs::create_dir_all(folder).map_err(|error| {
-        Failure::invalid(format!(
-            "cannot make the folder {}: {error}",
-            folder.display()
-        ))
-    })?;
+    make_folder(folder)?;
     let plan = TrainingPlan {
         method: Method::Pubs,
         entropy: EntropyInput::Belief,

@@ -152,6 +152,9 @@ pub fn run(arguments: &Arguments) -> Ended {
     } else {
         Existing::Keep
     };
+    if let Some(folder) = path.parent() {
+        policies::make_folder(folder)?;
+    }
     let interrupt = interrupt::flag()?;
     let result = training::train(&ready, &plan, &path, existing, &runtime, &interrupt)?;
     let report = report(&ready.task.name, label, &plan, path, result);

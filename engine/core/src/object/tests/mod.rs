@@ -5,6 +5,7 @@ mod faults;
 mod files;
 mod json_schema;
 mod layers;
+mod page;
 mod rules;
 
 use super::load::load_text;

@@ -11,6 +11,9 @@ use super::super::layers::{DEFAULTS, defaults_for};
 use super::super::schema::{JOINTS, Key, Kind, Need, joint_name};
 use super::super::{check, document};
 
+/// Only the rows of keys have so many; the page has other tables.
+const COLUMNS: usize = 5;
+
 /// A row of the page: key, joints that have it, default, unit, meaning.
 fn row(key: &Key) -> String {
     let joints: Vec<&str> = JOINTS
@@ -85,7 +88,7 @@ fn the_page_for_authors_has_every_key_and_no_other() {
     let found: BTreeSet<&str> = page
         .lines()
         .filter(|line| line.starts_with("| `"))
-        .filter(|line| !line.starts_with("| `observation.segment.*."))
+        .filter(|line| line.matches('|').count() == COLUMNS + 1)
         .collect();
     let expected: Vec<String> = KEYS.iter().map(row).collect();
     let missing: Vec<&str> = expected

@@ -285,7 +285,7 @@ mod tests {
                 "a whole number, from 2 to 9",
             ),
             (Kind::Numbers(3, FINITE), "a list of 3 finite numbers"),
-            (Kind::Choice(&["sis"]), "one of \"sis\""),
+            (Kind::Choice(&["sis"]), "\"sis\""),
         ];
         for (kind, expected) in cases {
             assert_eq!(kind.describe(), expected);

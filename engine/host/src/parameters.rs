@@ -103,6 +103,12 @@ impl ParameterSchema {
             .collect()
     }
 
+    /// What the schema says of the value.
+    fn described(&self, error: &jsonschema::ValidationError<'_>) -> Option<&str> {
+        let (of_value, _) = error.schema_path().as_str().rsplit_once('/')?;
+        self.strict.pointer(of_value)?.get("description")?.as_str()
+    }
+
     fn faults(&self, error: &jsonschema::ValidationError<'_>) -> Vec<ParameterFault> {
         let place = error.instance_path().as_str();
         match error.kind() {
@@ -122,7 +128,7 @@ impl ParameterSchema {
             }
             kind => vec![ParameterFault {
                 pointer: place.to_owned(),
-                message: wrong_value(place, error.instance(), kind)
+                message: wrong_value(place, error.instance(), kind, self.described(error))
                     .unwrap_or_else(|| shortened(&error.to_string(), LONGEST_MESSAGE)),
             }],
         }
@@ -169,7 +175,12 @@ fn escape(key: &str) -> String {
 }
 
 /// The value found and the rule, for the rules that schemas mostly have.
-fn wrong_value(place: &str, value: &Value, kind: &ValidationErrorKind) -> Option<String> {
+fn wrong_value(
+    place: &str,
+    value: &Value,
+    kind: &ValidationErrorKind,
+    description: Option<&str>,
+) -> Option<String> {
     let rule = match kind {
         ValidationErrorKind::Enum { options } => {
             let words: Vec<String> = options.as_array()?.iter().map(Value::to_string).collect();
@@ -182,6 +193,8 @@ fn wrong_value(place: &str, value: &Value, kind: &ValidationErrorKind) -> Option
             };
             names.join(" or ")
         }
+        // What a pattern means its author has said in words.
+        ValidationErrorKind::Pattern { .. } => description?.to_owned(),
         ValidationErrorKind::Minimum { limit } => format!("{limit} or more"),
         ValidationErrorKind::Maximum { limit } => format!("{limit} or less"),
         ValidationErrorKind::ExclusiveMinimum { limit } => format!("above {limit}"),

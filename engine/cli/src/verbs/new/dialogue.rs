@@ -131,7 +131,7 @@ mod tests {
             ("\n\n\n-z\n+y\n-z\n", "a handle on a hinge moves at 90°"),
             ("\n\n\n\n\n\n60deg\n", "half the range is 55"),
             ("\n\n\n\n\n\n\nnobody\n", "nobody"),
-            ("\n\n\n\n\n\n\n\nnowhere\n", "does not match"),
+            ("\n\n\n\n\n\n\n\nnowhere\n", "`world` is \"nowhere\""),
             ("\n\n\n\n\n\n\n\nnowhere.toml\n", "cannot be read"),
             ("\n\n\n\n\n\n\n\ndrawer1\n", "has a slide"),
         ];

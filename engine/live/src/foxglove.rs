@@ -1,7 +1,7 @@
 //! A server for the Foxglove app: the topics of the recording, live.
 //!
 //! The server is that of Foxglove's own library, which asks for no token; where one is needed it
-//! listens on loopback behind a [`gate`](crate::gate). It takes nothing from the app: only the
+//! listens on loopback behind a `gate`. It takes nothing from the app: only the
 //! dashboard has a stop button. A viewer that is too slow misses the oldest messages.
 
 use std::collections::HashMap;

@@ -1,12 +1,12 @@
 //! Live views of a run: what the robot believes, while it moves.
 //!
 //! Both views hear what the recorder writes, message by message ([`pubs_run::recording::Listener`]),
-//! so that what is seen is what is recorded. [`feed`] passes it on without ever waiting for a
+//! so that what is seen is what is recorded. `feed` passes it on without ever waiting for a
 //! viewer; [`dashboard`] serves the page in `page/` to a browser, with a button that stops the arm;
 //! [`foxglove`] serves the Foxglove app. [`scene`] is what a viewer needs to know once: the joint,
 //! the goals, the calibrated forces. [`access`] says who may look: on this machine everybody,
-//! from elsewhere whoever knows the token, which [`gate`] asks for where a server does not.
-//! All of it runs in [`background`] threads that give way to the loops.
+//! from elsewhere whoever knows the token, which `gate` asks for where a server does not.
+//! All of it runs in `background` threads that give way to the loops.
 
 pub mod access;
 mod background;

@@ -49,6 +49,8 @@ fn training_writes_a_policy_and_overwrites_no_other() {
     );
     let path = folder.path().join("new.onnx");
     let first = fs::read(&path).unwrap();
+    let curves = folder.path().join("new.training.json");
+    let first_curves = fs::read(&curves).unwrap();
 
     // The same seed again gives the same file, which is no reason to refuse.
     train(folder.path(), "-o new.onnx").assert_code(0);
@@ -56,6 +58,11 @@ fn training_writes_a_policy_and_overwrites_no_other() {
         fs::read(&path).unwrap(),
         first,
         "one seed trained two policies"
+    );
+    assert_eq!(
+        fs::read(&curves).unwrap(),
+        first_curves,
+        "one seed learned in two ways"
     );
 
     let refused = train(folder.path(), "-o new.onnx --seed 2");
@@ -68,6 +75,11 @@ fn training_writes_a_policy_and_overwrites_no_other() {
         first,
         "a refused training changed the file"
     );
+    assert_eq!(
+        fs::read(&curves).unwrap(),
+        first_curves,
+        "a refused training changed the learning curves"
+    );
 
     train(folder.path(), "-o new.onnx --seed 2 --overwrite").assert_code(0);
     assert_ne!(
@@ -75,8 +87,16 @@ fn training_writes_a_policy_and_overwrites_no_other() {
         first,
         "--overwrite replaced nothing"
     );
-    let names = folder.path().read_dir().unwrap().count();
-    assert_eq!(names, 1, "a training left other files behind");
+    assert_ne!(
+        fs::read(&curves).unwrap(),
+        first_curves,
+        "the learning curves are still those of the policy that was replaced"
+    );
+    let entries = folder.path().read_dir().unwrap();
+    let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name()).collect();
+    names.sort();
+    // The policy and its learning curves, and nothing else.
+    assert_eq!(names, ["new.onnx", "new.training.json"]);
 
     let report = evaluate(folder.path(), Some("new.onnx"), "--trials 20")
         .assert_code(0)

@@ -306,9 +306,7 @@ fn an_interrupted_recording_comes_to_rest_is_kept_and_resumed() {
     .spawn()
     .unwrap();
     std::thread::sleep(std::time::Duration::from_secs(9));
-    let id = i32::try_from(child.id()).unwrap();
-    // SAFETY: a signal to a child that this test started and has not yet waited for.
-    unsafe { libc::kill(id, libc::SIGINT) };
+    common::signal(&child, libc::SIGINT);
     let _ = child.wait().unwrap();
     let answer = Answer::from_output("interrupted".to_owned(), child.wait_with_output().unwrap());
     answer

@@ -438,6 +438,17 @@ fn the_foxglove_app_is_given_the_topics_of_the_recording() {
 }
 
 #[test]
+fn who_gives_up_waiting_for_a_viewer_has_moved_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = "--goal 0.5 --dashboard 0 --wait-for-viewer --record never.mcap";
+    let mut run = Watched::start(folder.path(), line);
+    run.address("dashboard");
+    run.interrupt();
+    run.end().assert_code(4).assert_says(&["nothing has moved"]);
+    assert!(!folder.path().join("never.mcap").exists());
+}
+
+#[test]
 fn bad_addresses_are_refused_before_anything_moves() {
     let folder = tempfile::tempdir().unwrap();
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();

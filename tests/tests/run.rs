@@ -179,10 +179,7 @@ fn an_interrupt_stops_the_arm() {
         .spawn()
         .unwrap();
     std::thread::sleep(Duration::from_millis(1500));
-    let pid = libc::pid_t::try_from(child.id()).unwrap();
-    // SAFETY: a signal to a child that has not been waited for, so the number is still its own.
-    let sent = unsafe { libc::kill(pid, libc::SIGINT) };
-    assert_eq!(sent, 0, "the signal did not go out");
+    common::signal(&child, libc::SIGINT);
     let signalled = Instant::now();
     while child.try_wait().unwrap().is_none() {
         if signalled.elapsed() > Duration::from_secs(20) {

@@ -6,9 +6,9 @@ use clap::Args;
 use pubs_evaluate::grid::{Grid, GridError, GridOptions, GridOrigin};
 
 use crate::failure::Failure;
+use crate::object;
 use crate::options::{FrequencyOptions, LayerOptions};
 use crate::verbs::evaluate::parse_goal;
-use crate::{built_in, object};
 
 /// How an object is put on a grid.
 #[derive(Args)]
@@ -34,7 +34,7 @@ impl GridArguments {
     /// # Errors
     /// Where the file has faults, or the object does not go on such a grid.
     pub fn grid(&self, file: &Path) -> Result<(Grid, GridOrigin), Failure> {
-        let registry = built_in::registry(&self.layers.plugin_dirs);
+        let registry = self.layers.plugins.registry();
         let frequency = self.frequency.belief_frequency;
         let overrides = self.layers.overrides();
         let ready = object::ready(file, &overrides, frequency, &registry, 0)?;

@@ -14,7 +14,7 @@ use pubs_run::recording::Listener;
 
 use crate::failure::Failure;
 use crate::object::Ready;
-use crate::show;
+use crate::{exit, show};
 
 /// Between two looks whether a viewer has come.
 const LOOK: Duration = Duration::from_millis(50);
@@ -46,7 +46,7 @@ pub struct Views {
 /// Starts what was asked for and says where it is. The stop button sets `interrupt`.
 ///
 /// # Errors
-/// Where an address is taken or is none of this machine's.
+/// Where an address is taken or is none of this machine's, or nobody came before the user gave up.
 pub fn start(
     options: &LiveOptions,
     ready: &Ready,
@@ -64,7 +64,13 @@ pub fn start(
             ));
         }
         show::say("waiting for a viewer; Ctrl-C gives up");
-        while !views.are_watched() && !interrupt.load(Ordering::Acquire) {
+        while !views.are_watched() {
+            if interrupt.load(Ordering::Acquire) {
+                return Err(Failure::Other {
+                    code: exit::SAFETY_STOP,
+                    message: "interrupted before anybody watched; nothing has moved".to_owned(),
+                });
+            }
             thread::sleep(LOOK);
         }
     }

@@ -5,10 +5,11 @@ use std::time::Duration;
 
 use clap::Args;
 use pubs_core::object::Overrides;
+use pubs_host::Registry;
 use pubs_policy::Runtime;
 
 use crate::failure::{Failure, chain};
-use crate::show;
+use crate::{built_in, show};
 
 /// Where an object comes from.
 #[derive(Args)]
@@ -26,9 +27,23 @@ pub struct LayerOptions {
     /// Override a key of the object file, such as belief.particles=500 [also PUBS_SET__BELIEF__PARTICLES]
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+    #[command(flatten)]
+    pub plugins: PluginOptions,
+}
+
+/// Where plugins are.
+#[derive(Args)]
+pub struct PluginOptions {
     /// Look for plugins here first [also PUBS_PLUGIN_PATH]
     #[arg(long = "plugin-dir", value_name = "DIR")]
-    pub plugin_dirs: Vec<PathBuf>,
+    plugin_dirs: Vec<PathBuf>,
+}
+
+impl PluginOptions {
+    /// The built-in plugins, and those that are found.
+    pub fn registry(&self) -> Registry {
+        built_in::registry(&self.plugin_dirs)
+    }
 }
 
 impl LayerOptions {
@@ -63,8 +78,7 @@ impl RuntimeOptions {
     pub fn runtime(&self) -> Result<Runtime, Failure> {
         let runtime = Runtime::from_library(self.onnxruntime.as_deref()).map_err(|error| {
             Failure::incompatible(format!(
-                "{}
-  (without --onnxruntime and ORT_DYLIB_PATH the built-in runtime serves)",
+                "{}\n  (without --onnxruntime and ORT_DYLIB_PATH the built-in runtime serves)",
                 chain(&error)
             ))
         })?;
@@ -114,6 +128,19 @@ pub fn check_folder(file: &Path, option: &str) -> Result<(), Failure> {
         folder.display(),
         file.file_name().unwrap_or_default().display()
     )))
+}
+
+/// Makes a folder for what is to be written, before any long work.
+///
+/// # Errors
+/// Where it cannot be made.
+pub fn make_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|error| {
+        Failure::invalid(format!(
+            "cannot make the folder {}: {error}",
+            folder.display()
+        ))
+    })
 }
 
 /// Reads seconds above 0, as a value parser.

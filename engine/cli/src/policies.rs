@@ -11,6 +11,7 @@ use pubs_train::surrogate::Goals;
 
 use crate::failure::{Failure, chain};
 use crate::object::Ready;
+use crate::options::make_folder;
 use crate::show;
 use crate::training;
 
@@ -38,19 +39,6 @@ pub fn sibling_folder(object: &Path, name: &str) -> PathBuf {
         .as_deref()
         .and_then(Path::parent)
         .map_or_else(|| folder.join("..").join(name), |parent| parent.join(name))
-}
-
-/// Makes the folder of a policy that is to be trained, before the training takes its time.
-///
-/// # Errors
-/// Where it cannot be made.
-pub fn make_folder(folder: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(|error| {
-        Failure::invalid(format!(
-            "cannot make the folder {}: {error}",
-            folder.display()
-        ))
-    })
 }
 
 /// A file that the user named; it must fit every goal.

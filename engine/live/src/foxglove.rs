@@ -2,7 +2,8 @@
 //!
 //! The server is that of Foxglove's own library, which asks for no token; where one is needed it
 //! listens on loopback behind a `gate`. It takes nothing from the app: only the
-//! dashboard has a stop button. A viewer that is too slow misses the oldest messages.
+//! dashboard has a stop button. On loopback without a token any page that a browser of this machine
+//! has open may look, since the app itself is such a page; where that matters, give a token. A viewer that is too slow misses the oldest messages.
 
 use std::collections::HashMap;
 use std::net::{Ipv4Addr, SocketAddr};

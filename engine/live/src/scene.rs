@@ -36,7 +36,7 @@ pub struct JointScene {
     /// `revolute` or `prismatic`.
     #[serde(rename = "type")]
     pub kind: &'static str,
-    /// Unit in which people read states.
+    /// Unit in which people read states: `deg` or `cm`.
     pub shown_unit: &'static str,
     /// By which a state is multiplied to be in that unit.
     pub shown_per_si: f64,
@@ -141,12 +141,11 @@ impl Scene {
 
 impl JointScene {
     fn of(kind: &JointKind, (lower, upper): (f64, f64)) -> Self {
-        let (kind, shown_unit, shown_per_si, radius_m) = match *kind {
-            JointKind::Revolute { radius_m, .. } => {
-                ("revolute", "°", 180.0 / std::f64::consts::PI, radius_m)
-            }
-            JointKind::Prismatic { .. } => ("prismatic", "cm", 100.0, 0.0),
-            JointKind::Abstract { .. } => ("abstract", "", 1.0, 0.0),
+        let (shown_unit, shown_per_si) = kind.shown_unit();
+        let (kind, radius_m) = match *kind {
+            JointKind::Revolute { radius_m, .. } => ("revolute", radius_m),
+            JointKind::Prismatic { .. } => ("prismatic", 0.0),
+            JointKind::Abstract { .. } => ("abstract", 0.0),
         };
         Self {
             kind,

@@ -70,6 +70,7 @@ fn contract_sum(entries: &BTreeMap<String, String>) -> String {
 fn json_text(sum: &str) -> String {
     format!("\"{sum}\"")
 }
+
 /// Enough of a sum to tell two apart.
 fn start_of(sum: &str) -> String {
     let start: String = sum.chars().take(12).collect();

@@ -161,9 +161,7 @@ impl Running {
     }
 
     pub fn signal(&self, signal: i32) {
-        let id = self.process.as_ref().unwrap().id() as i32;
-        // SAFETY: a plain system call, to a process that was started here.
-        assert_eq!(unsafe { libc::kill(id, signal) }, 0);
+        crate::common::signal(self.process.as_ref().unwrap(), signal);
     }
 
     /// Waits for its answer; one that was killed has none.

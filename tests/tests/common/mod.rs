@@ -8,7 +8,7 @@
 use std::ffi::OsStr;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Child, Command, Output, Stdio};
 use std::sync::OnceLock;
 
 use serde_json::Value;
@@ -173,6 +173,15 @@ impl Answer {
 /// Runs the program in `folder`.
 pub fn pubs<T: AsRef<OsStr>>(folder: &Path, arguments: &[T]) -> Answer {
     Answer::of(&mut command(folder, arguments))
+}
+
+/// Sends a signal to a program that was started here.
+pub fn signal(child: &Child, signal: i32) {
+    let id = i32::try_from(child.id()).unwrap();
+    // SAFETY: a plain system call, to a child that has not been waited for, so that the number is
+    // still its own.
+    let sent = unsafe { libc::kill(id, signal) };
+    assert_eq!(sent, 0, "the signal did not go out");
 }
 
 /// Arguments in one line, none of which holds a space.

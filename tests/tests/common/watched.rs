@@ -17,7 +17,7 @@ use tungstenite::client::IntoClientRequest;
 use tungstenite::stream::MaybeTlsStream;
 use tungstenite::{Message, WebSocket};
 
-use crate::common::{Answer, command, door2, door2_policy, words};
+use crate::common::{Answer, command, door2, door2_policy, signal, words};
 
 /// A run with live views, on its way.
 pub struct Watched {
@@ -62,6 +62,11 @@ impl Watched {
             }
             told += &line;
         }
+    }
+
+    /// As Ctrl-C does.
+    pub fn interrupt(&self) {
+        signal(&self.process, libc::SIGINT);
     }
 
     /// Waits for the end.

@@ -7,7 +7,7 @@ use pubs_core::object::{self, Fault, Faults};
 use serde::Serialize;
 
 use crate::options::LayerOptions;
-use crate::{Ended, built_in, exit, show};
+use crate::{Ended, exit, show};
 
 #[derive(Args)]
 #[command(after_help = "Example: pubs-engine check objects/")]
@@ -32,7 +32,7 @@ struct Report {
 }
 
 pub fn run(arguments: &Arguments) -> Ended {
-    let registry = built_in::registry(&arguments.layers.plugin_dirs);
+    let registry = arguments.layers.plugins.registry();
     let overrides = arguments.layers.overrides();
     let (mut files, mut faults) = (Vec::new(), Vec::new());
     for path in &arguments.paths {

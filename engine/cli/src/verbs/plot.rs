@@ -14,7 +14,7 @@ use serde::Serialize;
 use crate::failure::Failure;
 use crate::options::ObjectOptions;
 use crate::verbs::calibrate::{self, recordings};
-use crate::{Ended, built_in, exit, object, show};
+use crate::{Ended, exit, object, show};
 
 #[derive(Args)]
 #[command(after_help = "\
@@ -56,7 +56,7 @@ const PNG_SCALE: f32 = 2.0;
 
 pub fn run(arguments: &Arguments) -> Ended {
     let layers = &arguments.object.layers;
-    let registry = built_in::registry(&layers.plugin_dirs);
+    let registry = layers.plugins.registry();
     let path = &arguments.object.object;
     let (_, task) = object::without_model(path, &layers.overrides(), &registry)?;
     let segments = segments_of(&task.observation.table, StateUnit::of(&task.joint))

@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::options::LayerOptions;
-use crate::{Ended, built_in, exit, show};
+use crate::{Ended, exit, show};
 
 #[derive(Args)]
 pub struct Arguments {
@@ -94,7 +94,7 @@ fn find(arguments: &Arguments) -> Result<Arc<Plugin>, Failure> {
     if arguments.plugin.exists() {
         return Ok(Arc::new(library::load(&arguments.plugin)?));
     }
-    let registry = built_in::registry(&arguments.layers.plugin_dirs);
+    let registry = arguments.layers.plugins.registry();
     let named = registry.list().iter().find_map(|listed| match listed {
         Listed::Plugin(plugin) if arguments.plugin.as_os_str() == plugin.name() => {
             Some(Arc::clone(plugin))

@@ -1,13 +1,12 @@
 //! `pubs-engine plugins`: what is there, and whether it keeps the contract.
 
-use std::path::PathBuf;
-
 use clap::{Args, Subcommand};
 use pubs_host::{Listed, Plugin};
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::{Ended, built_in, exit, show};
+use crate::options::PluginOptions;
+use crate::{Ended, exit, show};
 
 #[derive(Args)]
 pub struct Arguments {
@@ -29,9 +28,8 @@ enum Verb {
 
 #[derive(Args)]
 struct ListArguments {
-    /// Look for plugins here first [also PUBS_PLUGIN_PATH]
-    #[arg(long = "plugin-dir", value_name = "DIR")]
-    plugin_dirs: Vec<PathBuf>,
+    #[command(flatten)]
+    plugins: PluginOptions,
     /// Show the JSON Schema of each plugin's parameters as well
     #[arg(long)]
     schema: bool,
@@ -70,7 +68,7 @@ pub fn run(arguments: &Arguments) -> Ended {
 }
 
 fn list(arguments: &ListArguments) -> Ended {
-    let registry = built_in::registry(&arguments.plugin_dirs);
+    let registry = arguments.plugins.registry();
     let mut report = Report {
         plugins: Vec::new(),
         refused: Vec::new(),

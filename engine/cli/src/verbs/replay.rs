@@ -13,8 +13,8 @@ use serde_json::Value;
 
 use crate::failure::{Failure, chain};
 use crate::object::{Ready, without_driver};
-use crate::options::RuntimeOptions;
-use crate::{Ended, built_in, exit, show};
+use crate::options::{PluginOptions, RuntimeOptions};
+use crate::{Ended, exit, show};
 
 #[derive(Args)]
 #[command(
@@ -34,9 +34,8 @@ pub struct Arguments {
     /// Take entropies (0 to 1) as the same within this
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = tolerance)]
     tolerance_entropy: f64,
-    /// Look for plugins here first [also PUBS_PLUGIN_PATH]
-    #[arg(long = "plugin-dir", value_name = "DIR")]
-    plugin_dirs: Vec<PathBuf>,
+    #[command(flatten)]
+    plugins: PluginOptions,
     #[command(flatten)]
     runtime: RuntimeOptions,
     /// One JSON object on stdout
@@ -99,7 +98,7 @@ fn object(arguments: &Arguments, recording: &RunRecording) -> Result<Ready, Fail
     without_driver(
         object::load_text(&name, text, &Overrides::none())?,
         recording.run.belief_frequency,
-        &built_in::registry(&arguments.plugin_dirs),
+        &arguments.plugins.registry(),
         recording.header.seed,
     )
 }

@@ -18,9 +18,9 @@ use pubs_run::utc;
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::options::{RuntimeOptions, parse_timeout, whole};
+use crate::options::{PluginOptions, RuntimeOptions, parse_timeout, whole};
 use crate::policies::{MAX_STEPS, TRIALS};
-use crate::{Ended, built_in, exit, interrupt, show};
+use crate::{Ended, exit, interrupt, show};
 
 #[derive(Args)]
 #[command(after_help = "Examples: pubs-engine reproduce
@@ -70,9 +70,8 @@ pub struct Arguments {
     /// Copy the report and the best policies of the four objects and three goals here as well
     #[arg(long, value_name = "DIR")]
     keep: Option<PathBuf>,
-    /// Look for plugins here first [also PUBS_PLUGIN_PATH]
-    #[arg(long = "plugin-dir", value_name = "DIR")]
-    plugin_dirs: Vec<PathBuf>,
+    #[command(flatten)]
+    plugins: PluginOptions,
     #[command(flatten)]
     runtime: RuntimeOptions,
     /// One JSON object on stdout
@@ -104,7 +103,7 @@ pub fn run(arguments: &Arguments) -> Ended {
             arguments.objects.display()
         )));
     }
-    let registry = built_in::registry(&arguments.plugin_dirs);
+    let registry = arguments.plugins.registry();
     let runtime = arguments.runtime.runtime()?;
     let workshop = Workshop {
         objects: arguments.objects.clone(),

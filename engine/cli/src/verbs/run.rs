@@ -17,7 +17,7 @@ use crate::options::{FrequencyOptions, ObjectOptions, RuntimeOptions, whole};
 use crate::policies::{self, MAX_STEPS};
 use crate::recorded::{self, RecordingOptions, Setup};
 use crate::verbs::evaluate::parse_goal;
-use crate::{Ended, built_in, exit, interrupt, object, show};
+use crate::{Ended, exit, interrupt, object, show};
 
 #[derive(Args)]
 #[command(after_help = "Examples: pubs-engine run objects/door2.toml --goal 0.5
@@ -73,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Ended {
         show::say("warning: this is a debug build; its loops will be late (use --release)");
     }
     let layers = &arguments.object.layers;
-    let registry = built_in::registry(&layers.plugin_dirs);
+    let registry = layers.plugins.registry();
     let ready = object::ready(
         &arguments.object.object,
         &arguments.driver.overrides(layers),

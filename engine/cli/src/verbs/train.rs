@@ -11,11 +11,13 @@ use pubs_train::surrogate::Goals;
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::options::{FrequencyOptions, ObjectOptions, RuntimeOptions, check_folder, whole};
+use crate::options::{
+    FrequencyOptions, ObjectOptions, RuntimeOptions, check_folder, make_folder, whole,
+};
 use crate::policies::{self, MAX_STEPS, TRIALS};
 use crate::training::TrainingResult;
 use crate::verbs::evaluate::parse_goal;
-use crate::{Ended, built_in, exit, interrupt, object, show, training};
+use crate::{Ended, exit, interrupt, object, show, training};
 
 #[derive(Args)]
 #[command(after_help = "Examples: pubs-engine train objects/door2.toml
@@ -95,7 +97,7 @@ struct SeedReport {
 }
 
 pub fn run(arguments: &Arguments) -> Ended {
-    let registry = built_in::registry(&arguments.object.layers.plugin_dirs);
+    let registry = arguments.object.layers.plugins.registry();
     let ready = object::ready(
         &arguments.object.object,
         &arguments.object.layers.overrides(),
@@ -153,7 +155,7 @@ pub fn run(arguments: &Arguments) -> Ended {
         Existing::Keep
     };
     if let Some(folder) = path.parent() {
-        policies::make_folder(folder)?;
+        make_folder(folder)?;
     }
     let interrupt = interrupt::flag()?;
     let result = training::train(&ready, &plan, &path, existing, &runtime, &interrupt)?;

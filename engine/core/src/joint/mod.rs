@@ -35,6 +35,18 @@ pub enum JointKind {
     },
 }
 
+impl JointKind {
+    /// The unit in which people read states, and how many of it are one of SI: degrees,
+    /// centimetres, or plain numbers without a unit.
+    pub fn shown_unit(&self) -> (&'static str, f64) {
+        match self {
+            Self::Revolute { .. } => ("deg", 1_f64.to_degrees()),
+            Self::Prismatic { .. } => ("cm", 100.0),
+            Self::Abstract { .. } => ("", 1.0),
+        }
+    }
+}
+
 /// Directions in the tool frame at the grasp, unit vectors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Geometry {

@@ -6,13 +6,3 @@ pub mod evaluation;
 pub mod run;
 mod text;
 pub mod training;
-
-/// The unit in which a person reads a state, and how many of them are in one of SI.
-pub(crate) fn shown_unit(kind: &pubs_core::JointKind) -> (&'static str, f64) {
-    use pubs_core::JointKind;
-    match kind {
-        JointKind::Revolute { .. } => ("deg", 1_f64.to_degrees()),
-        JointKind::Prismatic { .. } => ("cm", 100.0),
-        JointKind::Abstract { .. } => ("", 1.0),
-    }
-}

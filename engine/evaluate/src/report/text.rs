@@ -6,7 +6,7 @@ use crate::reproduce::numbers::{NOTHING, decimal};
 
 /// A state with a decimal more than a person needs to tell two runs apart, and its unit.
 pub(super) fn state(joint: &Joint, value: f64) -> String {
-    let (unit, factor) = super::shown_unit(&joint.kind);
+    let (unit, factor) = joint.kind.shown_unit();
     let number = decimal(value * factor, 2);
     if unit.is_empty() {
         number

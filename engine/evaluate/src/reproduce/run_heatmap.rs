@@ -7,7 +7,6 @@ use super::heatmap::Heatmap;
 use super::run_training::goal_state;
 use super::workshop::{Prepared, Workshop, WorkshopError};
 use crate::asked::Asked;
-use crate::report::shown_unit;
 
 /// Asks a policy that reads mean and entropy for its action at every point of a grid over the
 /// limits and [0, 1]; without a shield, as the paper's figure.
@@ -38,7 +37,7 @@ pub fn heatmap(
     let grid = asked
         .of(&mut policy, file.inputs())
         .map_err(WorkshopError::of)?;
-    let (unit, factor) = shown_unit(&joint.kind);
+    let (unit, factor) = joint.kind.shown_unit();
     let title = match goal {
         GoalName::Own => task.name.clone(),
         goal => format!("{}, {}", task.name, goal.name()),

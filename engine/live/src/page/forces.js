@@ -8,13 +8,13 @@ const TAIL_S = 2;
 const SIGMAS = 2;
 
 /** The band of a channel for an action; `undefined` where the model has none. */
-export function bandOf(scene, action, channel) {
+function bandOf(scene, action, channel) {
   const band = scene.bands.find((candidate) => candidate.action === action);
   return band?.channels.find((candidate) => candidate.name === channel);
 }
 
 /** The action whose band is shown: the one in force, or the last that moved. */
-export function shownAction(scene, run) {
+function shownAction(scene, run) {
   const moves = (name) => scene.bands.some((band) => band.action === name);
   return [...run.actions].reverse().find(({ name }) => moves(name))?.name ?? scene.bands[0]?.action;
 }

@@ -1,7 +1,7 @@
 // The page: it follows a run and shows it, a picture for each thing of which it is asked.
 
 import { actionColour, drawEntropy, drawMean, drawRibbon } from "./course.js";
-import { drawForce, shownAction } from "./forces.js";
+import { drawForce } from "./forces.js";
 import { follow, keepToken, scene as fetchScene, stop } from "./link.js";
 import { drawObject } from "./object.js";
 import { Run } from "./run.js";
@@ -41,7 +41,7 @@ const signed = (value, digits) => value.toFixed(digits).replace("-", "−");
 /** A state or a spread as people read it. */
 function stateText(scene, value) {
   const { shown_per_si: shown, shown_unit: unit } = scene.joint;
-  return `${signed(value * shown, 1)}${unit === "°" ? "" : " "}${unit}`;
+  return `${signed(value * shown, 1)}${unit === "deg" ? "°" : ` ${unit}`}`;
 }
 
 function showBelief(scene, belief) {
@@ -102,7 +102,6 @@ function draw(scene, run) {
   drawRibbon(element("ribbon"), scene, run);
   showTiming(element("timing"), element("losses"), scene, run);
   element("truth-key").hidden = run.truth === null;
-  element("f_d").dataset.band = shownAction(scene, run) ?? "";
 }
 
 function showKeys(scene) {

@@ -60,7 +60,7 @@ function hingePlace({ width, height, scene }) {
 
 function drawHinge(view) {
   const { pen, scene, run } = view;
-  const { lower, upper, shown_per_si, shown_unit } = scene.joint;
+  const { lower, upper, shown_per_si } = scene.joint;
   const { x, y, radius } = hingePlace(view);
   const at = (angle, far) => [x + far * Math.cos(angle), y - far * Math.sin(angle)];
   const ring = (from, to, inner, outer, name, opacity) => {
@@ -102,7 +102,7 @@ function drawHinge(view) {
   pen.beginPath();
   pen.arc(x, y, 5, 0, 2 * Math.PI);
   pen.fill();
-  const name = (word, state) => `${word} ${(state * shown_per_si).toFixed(0)}${shown_unit}`;
+  const name = (word, state) => `${word} ${(state * shown_per_si).toFixed(0)}°`;
   const [closedX, closedY] = at(lower, radius);
   label(view, name("closed", lower), closedX, closedY + 14);
   label(view, name("open", upper), ...at(upper, radius + TEXT_ROOM));

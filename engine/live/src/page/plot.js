@@ -150,7 +150,7 @@ export class Plot {
     });
   }
 
-  /** A level line over the whole width. */
+  /** An upright line over the whole height. */
   upright(x, name) {
     this.within((pen) => {
       pen.strokeStyle = colour(name);

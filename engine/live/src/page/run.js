@@ -51,7 +51,8 @@ export class Run {
       return;
     }
     const take = this[`hear_${topic.slice(1)}`];
-    if (take === undefined || topic === "/limits") {
+    // The scene has the limits, and a run's own summary is its end.
+    if (take === undefined) {
       return;
     }
     this.first ??= message.timestamp;

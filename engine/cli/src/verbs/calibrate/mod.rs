@@ -12,7 +12,7 @@ use clap::Args;
 
 use crate::driver::DriverOptions;
 use crate::options::{LayerOptions, parse_not_negative, whole};
-use crate::{Ended, built_in, object};
+use crate::{Ended, object};
 
 #[derive(Args)]
 #[command(after_help = "\
@@ -76,7 +76,7 @@ impl Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Ended {
-    let registry = built_in::registry(&arguments.layers.plugin_dirs);
+    let registry = arguments.layers.plugins.registry();
     let overrides = arguments.driver.overrides(&arguments.layers);
     let (loaded, task) = object::without_model(&arguments.object, &overrides, &registry)?;
     let recorded = if arguments.from.is_empty() {

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use crate::driver::DriverOptions;
 use crate::options::{LayerOptions, RuntimeOptions};
-use crate::{Ended, built_in, exit, show};
+use crate::{Ended, exit, show};
 
 #[derive(Args)]
 #[command(after_help = "\
@@ -50,7 +50,7 @@ struct Check {
 }
 
 pub fn run(arguments: &Arguments) -> Ended {
-    let registry = built_in::registry(&arguments.layers.plugin_dirs);
+    let registry = arguments.layers.plugins.registry();
     let mut checks: Vec<Check> = of("machine", machine::checks(&arguments.runtime)).collect();
     checks.extend(of("machine", room::checks(arguments.object.as_deref())));
     checks.extend(of("plugins", machine::plugins(&registry)));

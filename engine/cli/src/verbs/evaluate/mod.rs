@@ -19,7 +19,7 @@ use crate::failure::Failure;
 use crate::object::Ready;
 use crate::options::{FrequencyOptions, LayerOptions, RuntimeOptions, whole};
 use crate::policies::{self, MAX_STEPS};
-use crate::{Ended, built_in, exit, object, show};
+use crate::{Ended, exit, object, show};
 
 #[derive(Args)]
 #[command(
@@ -101,7 +101,7 @@ pub fn run(arguments: &Arguments) -> Ended {
     {
         return problem::run(arguments, file);
     }
-    let registry = built_in::registry(&arguments.layers.plugin_dirs);
+    let registry = arguments.layers.plugins.registry();
     // Of the first policy: all of them are of one object.
     let solved = alpha::solved_from(&arguments.policies[0])?;
     let object_path = object_path(arguments, solved.as_ref())?;

@@ -18,7 +18,8 @@ use serde::Serialize;
 use self::draft::Draft;
 use self::question::Question;
 use crate::failure::Failure;
-use crate::{Ended, built_in, exit, show};
+use crate::options::PluginOptions;
+use crate::{Ended, exit, show};
 
 #[derive(Args)]
 #[command(after_help = "\
@@ -64,9 +65,8 @@ pub struct Arguments {
     /// Parameter of the driver, such as host=192.168.0.20
     #[arg(long = "param", value_name = "NAME=VALUE")]
     parameters: Vec<String>,
-    /// Look for plugins here first [also PUBS_PLUGIN_PATH]
-    #[arg(long = "plugin-dir", value_name = "DIR")]
-    plugin_dirs: Vec<PathBuf>,
+    #[command(flatten)]
+    plugins: PluginOptions,
     /// One JSON object on stdout
     #[arg(long)]
     json: bool,
@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Ended {
     if !to_stdout {
         write::check_free(&arguments.file)?;
     }
-    let registry = built_in::registry(&arguments.plugin_dirs);
+    let registry = arguments.plugins.registry();
     let draft = complete(arguments, told(arguments, &registry)?, &registry)?;
     let faults = question::faults(&draft, &registry);
     if !faults.is_empty() {
@@ -147,7 +147,7 @@ fn told(arguments: &Arguments, registry: &Registry) -> Result<Draft, Failure> {
     if wrong.is_empty() {
         return Ok(draft);
     }
-    Err(Failure::invalid(wrong.join("\nerror: ")))
+    Err(Failure::each(wrong.join("\n")))
 }
 
 /// `--name`, or the file's.

@@ -7,6 +7,7 @@ use std::path::Path;
 use pubs_core::object::json_schema_text;
 
 use crate::failure::Failure;
+use crate::options::make_folder;
 use crate::show;
 
 /// What the line `#:schema` in the file names.
@@ -38,12 +39,7 @@ pub fn write(file: &Path, text: &str) -> Result<bool, Failure> {
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty());
     if let Some(folder) = folder {
-        fs::create_dir_all(folder).map_err(|error| {
-            Failure::invalid(format!(
-                "cannot make the folder {}: {error}",
-                folder.display()
-            ))
-        })?;
+        make_folder(folder)?;
     }
     create(file, text).map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists => taken(file),

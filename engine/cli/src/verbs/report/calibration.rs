@@ -8,7 +8,6 @@ use pubs_core::object::{self, LoadedObject, Overrides};
 use pubs_run::recording::{self, Recording};
 
 use super::{Arguments, Page};
-use crate::built_in;
 use crate::failure::Failure;
 use crate::object::without_model_of;
 use crate::verbs::calibrate;
@@ -88,7 +87,7 @@ fn page(
     loaded: LoadedObject,
     recordings: &[(String, Recording)],
 ) -> Result<Page, Failure> {
-    let registry = built_in::registry(&arguments.plugin_dirs);
+    let registry = arguments.plugins.registry();
     let (loaded, task) = without_model_of(loaded, &registry)?;
     let segments = segments_of(&task.observation.table, StateUnit::of(&task.joint))
         .map_err(|error| Failure::invalid(error.to_string()))?;

@@ -15,7 +15,7 @@ use pubs_draw::document::Block;
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::options::RuntimeOptions;
+use crate::options::{PluginOptions, RuntimeOptions};
 use crate::{Ended, exit, show};
 use input::{Input, Kind};
 
@@ -41,9 +41,8 @@ pub struct Arguments {
     /// one in the recording]
     #[arg(long, value_name = "FILE")]
     object: Option<PathBuf>,
-    /// Look for plugins here first [also PUBS_PLUGIN_PATH]
-    #[arg(long = "plugin-dir", value_name = "DIR")]
-    plugin_dirs: Vec<PathBuf>,
+    #[command(flatten)]
+    plugins: PluginOptions,
     #[command(flatten)]
     runtime: RuntimeOptions,
     /// One JSON object on stdout

@@ -6,7 +6,6 @@ use pubs_evaluate::report::run::{RunInput, missing, page as page_of};
 use pubs_run::recording::RunRecording;
 
 use super::{Arguments, Page};
-use crate::built_in;
 use crate::failure::Failure;
 use crate::object::without_driver;
 
@@ -20,7 +19,7 @@ pub fn page(arguments: &Arguments, recording: &RunRecording) -> Result<Page, Fai
     let ready = without_driver(
         loaded,
         recording.run.belief_frequency,
-        &built_in::registry(&arguments.plugin_dirs),
+        &arguments.plugins.registry(),
         recording.header.seed,
     )
     .map_err(|failure| failure.in_a_line());

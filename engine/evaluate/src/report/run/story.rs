@@ -3,8 +3,6 @@
 use pubs_core::Task;
 use pubs_run::recording::{BINS, RunRecording, Tick};
 
-use crate::report::shown_unit;
-
 /// A run with a clock that begins at its first tick.
 pub(super) struct Story<'a> {
     pub recording: &'a RunRecording,
@@ -18,7 +16,7 @@ pub(super) struct Story<'a> {
 
 impl<'a> Story<'a> {
     pub fn new(recording: &'a RunRecording, task: &'a Task) -> Self {
-        let (unit, factor) = shown_unit(&task.joint.kind);
+        let (unit, factor) = task.joint.kind.shown_unit();
         Self {
             recording,
             task,

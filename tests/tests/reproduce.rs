@@ -109,6 +109,53 @@ fn one_small_cell_of_each_kind_and_a_report() {
 }
 
 #[test]
+fn a_kept_report_is_drawn_again_and_its_cells_are_not_made_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let cells = "drawer2-middle-pubs-belief-shield,arm-drawer2,solver-sim_object-qmdp";
+    let counted =
+        |extra: &str| counts(&reproduce(folder.path(), cells, extra).assert_code(0).json());
+    assert_eq!(counted("--keep kept"), [4, 0, 0, 0]);
+    let kept = folder.path().join("kept/cells.jsonl");
+    let text = fs::read_to_string(&kept).unwrap();
+    assert_eq!(text.lines().count(), 4, "a line a cell: {text}");
+    let tables = |report: &str| {
+        let report = fs::read_to_string(folder.path().join(report)).unwrap();
+        let (_, tables) = report.split_once("## In brief").unwrap();
+        tables.to_owned()
+    };
+    let before = tables("results/report.md");
+
+    fs::remove_dir_all(folder.path().join("results")).unwrap();
+    let from = "--from kept/cells.jsonl";
+    assert_eq!(counted(&format!("{from} --report-only")), [0, 4, 0, 0]);
+    assert_eq!(tables("results/report.md"), before);
+
+    fs::remove_dir_all(folder.path().join("results")).unwrap();
+    assert_eq!(counted(from), [0, 4, 0, 0], "none is made again");
+    assert_eq!(tables("results/report.md"), before);
+    // What needs a policy that was not kept says which, and how to have it.
+    let arm = reproduce(folder.path(), "arm-drawer2", "--again");
+    let reason = arm.assert_code(1).json()["failed"][0]["reason"].to_string();
+    let unit = "training-drawer2-middle-pubs-belief-shield-seed1";
+    assert!(
+        reason.contains(&format!("--cells {unit} --again")),
+        "{reason}"
+    );
+
+    let sound = text.lines().next().unwrap();
+    let far = sound.replace("\"task\":\"drawer2\"", "\"task\":\"../../drawer2\"");
+    assert_ne!(far, sound);
+    for (second, said) in [("{\"cell\":", "EOF"), (far.as_str(), "names no file")] {
+        fs::write(&kept, format!("{sound}\n{second}\n")).unwrap();
+        _ = fs::remove_dir_all(folder.path().join("results"));
+        reproduce(folder.path(), cells, &format!("{from} --report-only"))
+            .assert_code(2)
+            .assert_says(&["kept/cells.jsonl:2: not a cell of a reproduction", said]);
+        assert!(!folder.path().join("results").exists(), "nothing is laid");
+    }
+}
+
+#[test]
 fn a_report_on_nothing_says_not_run() {
     let folder = tempfile::tempdir().unwrap();
     let told = reproduce(folder.path(), "", "--report-only")

@@ -7,7 +7,7 @@ use std::io::Read;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-use common::{Answer, assert_fields, command, door2, door2_policy, pubs, words};
+use common::{Answer, assert_fields, command, door2, door2_policy, path_text, pubs, root, words};
 use serde_json::Value;
 
 /// 10° of `reward.goal_tolerance_deg`.
@@ -125,6 +125,30 @@ fn goals_are_reached_one_after_the_other() {
         assert_within_tolerance(goal, degrees.to_radians());
     }
     assert_within_tolerance(&report, 40.0_f64.to_radians());
+}
+
+#[test]
+fn a_second_goal_at_a_limit_is_not_run_into() {
+    // Each of these broke the limit at high force while the shield left no margin.
+    let cases = [
+        ("drawer1", "closed", 1),
+        ("drawer1", "open", 2),
+        ("drawer1", "open", 3),
+        ("drawer2", "closed", 1),
+        ("drawer2", "open", 2),
+        ("drawer2", "open", 3),
+        ("drawer2", "open", 4),
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    for (object, limit, seed) in cases {
+        let object = path_text(&root().join(format!("objects/{object}.toml")));
+        let line = format!(
+            "run {object} --goal 0.5 --goal {limit} --seed {seed} --lockstep --no-record --json"
+        );
+        let answer = pubs(folder.path(), &words(&line));
+        let report = answer.assert_code(0).json();
+        assert_eq!(report["safety_violations"], 0, "{line}: {report}");
+    }
 }
 
 #[test]

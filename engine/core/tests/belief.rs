@@ -354,6 +354,30 @@ fn shield_masks_high_force_near_its_limit_only() {
 }
 
 #[test]
+fn the_shield_leaves_a_margin_for_what_the_handle_may_be_ahead() {
+    let task = common::door(300);
+    // Two filter periods at 0.15 m/s and 30 Hz, and 15 N on 5000 N/m: 10 + 3 mm of arc.
+    let margin = 0.013 * task.joint.per_metre();
+    assert!((shield::margin(&task) - margin).abs() < 1e-12);
+    // A limit gathers all particles: the belief is sure, and then the handle comes away from it.
+    let high_close = 4;
+    let reach = 0.03 + margin;
+    for (away, allowed_there) in [(0.02, false), (0.99 * reach, false), (1.01 * reach, true)] {
+        let mut filter = Filter::new(&task, Arc::new(Hump::new(true, true)));
+        filter.follow(-5.0);
+        filter.follow(away);
+        let mut allowed = [true; 5];
+        shield::allowed(Some(&task.policy.shield), &task, &filter, &mut allowed);
+        let mean = filter.summary().mean;
+        assert_eq!(
+            allowed[high_close], allowed_there,
+            "{away} away, mean {mean}"
+        );
+        assert!(allowed[..high_close].iter().all(|&allowed| allowed));
+    }
+}
+
+#[test]
 fn the_interval_holds_its_mass() {
     let task = common::door(300);
     let filter = Filter::new(&task, Arc::new(Hump::new(true, true)));

@@ -13,7 +13,11 @@ use pubs_evaluate::reproduce::plan::{Part, PlanOptions, plan};
 use pubs_evaluate::reproduce::report::{ReportContext, write};
 use pubs_evaluate::reproduce::runner::{self, Event};
 use pubs_evaluate::reproduce::workshop::Workshop;
-use pubs_evaluate::reproduce::{Results, cell::Unit};
+use pubs_evaluate::reproduce::{
+    Results,
+    cell::Unit,
+    kept::{self, KeptError},
+};
 use pubs_run::utc;
 use serde::Serialize;
 
@@ -26,6 +30,7 @@ use crate::{Ended, exit, interrupt, show};
 #[command(after_help = "Examples: pubs-engine reproduce
           pubs-engine reproduce --only table2,fig4 --seeds 5 --threads 2
           pubs-engine reproduce --report-only
+          pubs-engine reproduce --from policies/paper/cells.jsonl --report-only
 What is stored is not run again: break off with Ctrl-C and go on later with the same command.")]
 pub struct Arguments {
     /// Folder of cells, policies, figures and the report
@@ -67,9 +72,13 @@ pub struct Arguments {
     /// Run nothing; write the report on what is stored
     #[arg(long, conflicts_with = "again")]
     report_only: bool,
-    /// Copy the report and the best policies of the four objects and three goals here as well
+    /// Keep the report here as well, with its cells and the best policies of the four objects and
+    /// three goals
     #[arg(long, value_name = "DIR")]
     keep: Option<PathBuf>,
+    /// Take these cells of a kept report as done, such as policies/paper/cells.jsonl
+    #[arg(long, value_name = "FILE", conflicts_with = "again")]
+    from: Option<PathBuf>,
     #[command(flatten)]
     plugins: PluginOptions,
     #[command(flatten)]
@@ -137,6 +146,13 @@ pub fn run(arguments: &Arguments) -> Ended {
             names
         )));
     }
+    if let Some(file) = &arguments.from {
+        let laid = kept::unpack(file, &arguments.output).map_err(|error| match error {
+            KeptError::Write { .. } => Failure::fault(&error),
+            KeptError::Read { .. } | KeptError::Line { .. } => Failure::invalid(error.to_string()),
+        })?;
+        show::detail(|| format!("{laid} cells and heatmaps taken from {}", file.display()));
+    }
     let mut summary = if arguments.report_only {
         stored(&arguments.output, &units)?
     } else {
@@ -155,6 +171,7 @@ pub fn run(arguments: &Arguments) -> Ended {
     summary.report = report(arguments, &results, &arguments.output)?;
     if let Some(folder) = &arguments.keep {
         runner::keep(&workshop, &results, folder).map_err(|error| Failure::fault(&error))?;
+        kept::write(&results, folder).map_err(|error| Failure::fault(&error))?;
         report(arguments, &results, folder)?;
     }
     tell(arguments, &summary)?;

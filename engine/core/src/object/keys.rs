@@ -111,7 +111,7 @@ pub const KEYS: &[Key] = &[
         "Width of each hidden layer of the policy, and of the value network that trains it."),
     key("policy.shield", ALL_DEFAULT, Kind::Table, "", "When high-force actions are masked near a limit."),
     key("policy.shield.mass", ALL_DEFAULT, Kind::Number(above_below(0.0, 1.0)), "",
-        "A high-force action is masked where more probability than this lies within one such step of the limit."),
+        "A high-force action is masked where more probability than this lies within one such step, and a margin for what the handle may be ahead of the belief, of the limit."),
     key("policy.shield.flattening", ALL_DEFAULT, Kind::Number(above_to(0.0, 1.0)), "",
         "Exponent on the weights before they are summed: below 1 it makes the shield more careful than the belief."),
 

@@ -184,7 +184,7 @@ pub struct Policy {
 }
 
 /// `policy.shield`: a high-force action is masked where weights^flattening put more than `mass`
-/// within one such step of the limit it moves towards.
+/// within one such step and the margin (`shield::margin`) of the limit it moves towards.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Shield {
     /// Probability that is still accepted.

@@ -28,6 +28,9 @@ pub struct Cell {
     pub made_at: String,
     /// Wall time of the whole unit, s.
     pub time_s: f64,
+    /// Whether it was taken from a kept report, so that its policy may not be there.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub without_policy: bool,
     /// What came out.
     pub result: CellResult,
 }
@@ -44,6 +47,9 @@ pub enum CellResult {
     Training {
         /// File name in the results' `policies` folder.
         policy: String,
+        /// Of the weights of the policy.
+        #[serde(default)]
+        policy_sha256: String,
         /// How it was trained, in words: what differs from the defaults.
         recipe: String,
         /// Environment steps of the training.

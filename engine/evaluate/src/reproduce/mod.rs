@@ -2,7 +2,7 @@
 //!
 //! [`plan`](mod@plan) lists the units of work, [`runner`] does them with what a
 //! [`workshop::Workshop`] has and stores each as a [`cell::Cell`], one file of a results folder.
-//! [`Results`] reads the folder; [`tables`], [`violations`], [`frequency`] and [`transfer`] make
+//! [`Results`] reads the folder, and [`kept`] has its cells in one file beside a report; [`tables`], [`violations`], [`frequency`] and [`transfer`] make
 //! the paper's tables of it, as numbers, beside those of [`paper`]; [`report`] writes them down
 //! and draws its figures.
 
@@ -12,6 +12,7 @@ pub mod choices;
 pub(crate) mod figures;
 pub mod frequency;
 pub mod heatmap;
+pub mod kept;
 mod markdown;
 pub mod matrix;
 pub(crate) mod numbers;

@@ -85,6 +85,13 @@ impl Results {
         self.heatmaps.get(id)
     }
 
+    /// All heatmaps, in order of their ids.
+    pub fn heatmaps(&self) -> impl Iterator<Item = (&str, &Heatmap)> {
+        self.heatmaps
+            .iter()
+            .map(|(id, heatmap)| (id.as_str(), heatmap))
+    }
+
     /// Files that were passed over.
     pub fn notices(&self) -> &[Notice] {
         &self.notices

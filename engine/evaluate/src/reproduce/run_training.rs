@@ -58,9 +58,10 @@ pub fn train(
     let draft = store(0.0)?;
     let judge = |trials| judge(workshop, prepared, &draft, goal, plan.shield, trials);
     let (selection, fresh) = (judge("selection")?, judge("report")?);
-    store(fresh.plain.mean_reward)?;
+    let written = store(fresh.plain.mean_reward)?;
     Ok(CellResult::Training {
         policy: name,
+        policy_sha256: written.sha256().to_owned(),
         recipe: plan.recipe.name.to_owned(),
         steps: trained.progress.steps as u64,
         training_s: trained.progress.time_s,

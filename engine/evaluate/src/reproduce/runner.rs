@@ -5,10 +5,12 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
-use pubs_core::Task;
 use pubs_core::goal::fraction_label;
+use pubs_core::shield::{self, Shield};
 use pubs_core::vector::VectorUnit;
+use pubs_core::{Action, Task};
 use pubs_policy::PolicyFile;
+use serde_json::json;
 
 use super::cell::{Cell, CellResult, GoalName, Method, Unit};
 use super::heatmap::{PICTURES, heatmap_id};
@@ -121,7 +123,7 @@ impl Job<'_> {
         let prepared = self
             .workshop
             .object(self.unit.task(), self.unit.belief_frequency())?;
-        let task_hash = hash_of(&prepared.task);
+        let task_hash = hash_of(&prepared.task, self.unit);
         if earlier.is_some_and(|cell| self.holds(cell, &task_hash)) {
             return Ok(None);
         }
@@ -134,6 +136,7 @@ impl Job<'_> {
             task_hash,
             made_at: pubs_run::utc::now(),
             time_s,
+            without_policy: false,
             result,
         };
         store_json(self.workshop, CELLS, &self.unit.id(), &cell)?;
@@ -145,7 +148,7 @@ impl Job<'_> {
         let same = cell.unit == *self.unit
             && cell.task_hash == task_hash
             && cell.engine_version == env!("CARGO_PKG_VERSION");
-        let there = |policy: &str| workshop.policy(policy).is_file();
+        let there = |policy: &str| cell.without_policy || workshop.policy(policy).is_file();
         let as_asked = match &cell.result {
             CellResult::Training {
                 fresh,
@@ -162,21 +165,30 @@ impl Job<'_> {
                 evaluation, policy, ..
             } => there(policy) && evaluation.trials == workshop.trials,
             // Another seed may have become the best since.
-            CellResult::Arm { policy_sha256, .. } => self
-                .arm_policy()
-                .is_ok_and(|policy| policy.sha256() == policy_sha256),
+            CellResult::Arm { policy_sha256, .. } => {
+                self.arm_policy_sha256().as_ref() == Some(policy_sha256)
+            }
         };
         same && as_asked
     }
 
-    /// The policy that trials on the arm take.
-    fn arm_policy(&self) -> Result<PolicyFile, WorkshopError> {
-        let results = Results::read(&self.workshop.results).map_err(WorkshopError::of)?;
-        let training = Training {
+    /// The training whose best policy trials on the arm take.
+    fn arm_training(&self) -> Training<'_> {
+        Training {
             shielded: true,
             ..Training::new(self.unit.task(), GoalName::Middle, Method::Pubs)
-        };
-        best_policy(self.workshop, &results, &training)
+        }
+    }
+
+    /// What its cell says of that policy's weights; the file itself may be in a kept report only.
+    fn arm_policy_sha256(&self) -> Option<String> {
+        let results = Results::read(&self.workshop.results).ok()?;
+        let training = self.arm_training();
+        let best = training.seeds(&results)?.best.seed;
+        match &results.cell(&training.unit(best))?.result {
+            CellResult::Training { policy_sha256, .. } => Some(policy_sha256.clone()),
+            CellResult::Solver { .. } | CellResult::Arm { .. } => None,
+        }
     }
 
     fn result(
@@ -225,7 +237,8 @@ impl Job<'_> {
                 },
             ),
             Unit::Arm { trials, drift, .. } => {
-                let policy = self.arm_policy()?;
+                let results = Results::read(&self.workshop.results).map_err(WorkshopError::of)?;
+                let policy = best_policy(self.workshop, &results, &self.arm_training())?;
                 run_arm::run(self.workshop, prepared, &policy, *trials, *drift)
             }
         }
@@ -301,7 +314,15 @@ fn best_policy(
             training.goal.name()
         ))
     })?;
-    let path = workshop.policy(&policy_file(&training.unit(seeds.best.seed)));
+    let unit = training.unit(seeds.best.seed);
+    let path = workshop.policy(&policy_file(&unit));
+    if !path.is_file() {
+        return Err(WorkshopError(format!(
+            "the policy {} is not there, its cell was taken from a kept report: make it with --cells {} --again",
+            path.display(),
+            unit.id()
+        )));
+    }
     PolicyFile::read(&path).map_err(WorkshopError::of)
 }
 
@@ -317,10 +338,26 @@ fn store_json(
         .map_err(|error| WorkshopError(format!("cannot write {}: {error}", path.display())))
 }
 
-/// Of the task and of its observation model: a cell holds for both.
-fn hash_of(task: &Task) -> String {
+/// Of what a cell holds for: the task, its observation model, and the shield where there is one.
+fn hash_of(task: &Task, unit: &Unit) -> String {
     let task_hash = pubs_policy::task_hash(&task.policy_ingredients());
-    format!("{}-{}", &task_hash[..16], &task.observation_hash()[..16])
+    let hash = format!("{}-{}", &task_hash[..16], &task.observation_hash()[..16]);
+    if !may_be_shielded(task, unit) {
+        return hash;
+    }
+    let Shield { mass, flattening } = task.policy.shield;
+    let shield = json!({ "mass": mass, "flattening": flattening, "margin": shield::margin(task) });
+    format!("{hash}-{}", &pubs_policy::task_hash(&shield)[..16])
+}
+
+/// Whether a shield has a say in a cell: in training, in half of the trials, or on the arm.
+fn may_be_shielded(task: &Task, unit: &Unit) -> bool {
+    let masks = task.actions.iter().any(Action::is_high_force);
+    match unit {
+        Unit::Training { method, .. } => masks && method.has_belief(),
+        Unit::Solver { .. } => false,
+        Unit::Arm { .. } => masks,
+    }
 }
 
 fn is_arm(unit: &Unit) -> bool {

@@ -71,6 +71,7 @@ pub fn trained(selection: f64, fresh: f64, se: f64, violations: u64, shield: boo
     };
     CellResult::Training {
         policy: "policy.onnx".to_owned(),
+        policy_sha256: String::new(),
         recipe: "defaults".to_owned(),
         steps: 500_000,
         training_s: 100.0,
@@ -128,6 +129,7 @@ pub fn store(folder: &Path, unit: Unit, result: CellResult) {
         task_hash: "0123456789abcdef".to_owned(),
         made_at: "2026-01-02T03:04:05Z".to_owned(),
         time_s: 120.0,
+        without_policy: false,
         unit,
         result,
     };

@@ -50,7 +50,9 @@ pub const CHOICES: [Choice; 24] = [
         open: "The shield",
         chosen: "The paper has none; \"PuBS\" has none in training or trials. \"PuBS with \
                  shield\" has it in both: a policy that learns without one relies on moves near a \
-                 limit that the shield then takes away. Sim Object is explored under the shield in \
+                 limit that the shield then takes away. Before a limit it leaves a margin for what the \
+                 handle of an arm may be ahead of the belief: two filter periods of way, and the \
+                 give of the grasp. Sim Object is explored under the shield in \
                  either row, and its row \"PuBS\" is judged without.",
     },
     Choice {

@@ -22,7 +22,8 @@ pub struct Cell {
     pub engine_version: String,
     /// The vector unit on which the last bits depend.
     pub vector_unit: String,
-    /// Hash of the task that was compiled from the object file.
+    /// Hashes of the task that was compiled from the object file, of its observation model and,
+    /// where one has a say, of the shield, with dashes between.
     pub task_hash: String,
     /// When it was done: RFC 3339, UTC.
     pub made_at: String,
@@ -114,6 +115,17 @@ pub struct ArmTrial {
     pub safety_violations: u64,
     /// What of the world was varied, and by which factor.
     pub world: BTreeMap<String, f64>,
+}
+
+impl Cell {
+    /// What it was made of: the hashes of task and observation model, and the shield's.
+    pub fn made_of(&self) -> (&str, Option<&str>) {
+        let hash = self.task_hash.as_str();
+        match hash.match_indices('-').nth(1) {
+            Some((at, _)) => (&hash[..at], Some(&hash[at + 1..])),
+            None => (hash, None),
+        }
+    }
 }
 
 impl CellResult {

@@ -225,18 +225,29 @@ fn table_ii(results: &Results) -> Vec<Block> {
     blocks
 }
 
-/// Objects whose cells were not made from one object file: their numbers do not compare.
+/// Objects whose cells were not made from one object file, or not under one shield: their numbers
+/// do not compare.
 fn mixtures(results: &Results) -> Vec<String> {
-    let mut hashes: BTreeMap<(&str, Option<u32>), BTreeSet<&str>> = BTreeMap::new();
+    let mut hashes: BTreeMap<(&str, Option<u32>, &str), BTreeSet<&str>> = BTreeMap::new();
     for (_, cell) in results.cells() {
-        let of = (cell.unit.task(), cell.unit.belief_frequency());
-        hashes.entry(of).or_default().insert(&cell.task_hash);
+        let (object, shield) = cell.made_of();
+        let (task, frequency) = (cell.unit.task(), cell.unit.belief_frequency());
+        let mut found = |what, hash| {
+            _ = hashes
+                .entry((task, frequency, what))
+                .or_default()
+                .insert(hash);
+        };
+        found("object files", object);
+        if let Some(shield) = shield {
+            found("shields", shield);
+        }
     }
     let mixed = hashes.into_iter().filter(|(_, found)| found.len() > 1);
     mixed
-        .map(|((task, _), found)| {
+        .map(|((task, _, what), found)| {
             format!(
-                "Not comparable: the cells of {task} were made from {} different object files; run \
+                "Not comparable: the cells of {task} were made from {} different {what}; run \
                  the older ones again",
                 found.len()
             )

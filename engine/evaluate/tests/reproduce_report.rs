@@ -243,3 +243,49 @@ fn files_that_were_passed_over_are_named() {
     let text = written(folder.path(), Vec::new(), "report.md");
     assert!(text.contains("Passed over: cut.json: EOF"), "{text}");
 }
+
+#[test]
+fn cells_of_another_object_file_or_shield_are_said_not_to_compare() {
+    let unit = |seed| training("door2", GoalName::Middle, Method::Pubs, seed);
+    let cases = [
+        (["task-model", "task-model-shield"], None),
+        (
+            ["task-model-shield", "task-other-shield"],
+            Some("2 different object files"),
+        ),
+        (
+            ["task-model", "other-model-shield"],
+            Some("2 different object files"),
+        ),
+        (
+            ["task-model-shield", "task-model-other"],
+            Some("2 different shields"),
+        ),
+    ];
+    for (hashes, said) in cases {
+        let folder = TempDir::new().unwrap();
+        for (seed, hash) in (1..).zip(hashes) {
+            let unit = unit(seed);
+            store(
+                folder.path(),
+                unit.clone(),
+                trained(0.5, 0.5, 0.001, 0, true),
+            );
+            let file = folder
+                .path()
+                .join(CELLS)
+                .join(format!("{}.json", unit.id()));
+            let text = std::fs::read_to_string(&file).unwrap();
+            std::fs::write(&file, text.replace("0123456789abcdef", hash)).unwrap();
+        }
+        let report = written(folder.path(), Vec::new(), "report.md");
+        let found = report.lines().find(|line| line.contains("Not comparable"));
+        match said {
+            None => assert_eq!(found, None, "{hashes:?}"),
+            Some(said) => assert!(
+                found.is_some_and(|line| line.contains(said)),
+                "{hashes:?}: {found:?}"
+            ),
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! Cells and heatmaps of a report, kept as one file beside it.
 //!
 //! A report that is committed without what it was made of could never be drawn again, and a cell
-//! that is missing in it could not be added without making all others anew. So [`write`] puts
+//! that is missing in it could not be added without making all others anew. So [`write()`] puts
 //! every cell and heatmap on one line of JSON each, and [`unpack`] lays them into a folder of
 //! results, from which the runner takes them as done. Their policies are not among them, but for
 //! those that are kept as files.

@@ -22,9 +22,11 @@ pub struct Cell {
     pub engine_version: String,
     /// The vector unit on which the last bits depend.
     pub vector_unit: String,
-    /// Hashes of the task that was compiled from the object file, of its observation model and,
-    /// where one has a say, of the shield, with dashes between.
+    /// Hashes of the task that was compiled from the object file and of its observation model.
     pub task_hash: String,
+    /// Hash of the shield; `None` where none has a say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shield_hash: Option<String>,
     /// When it was done: RFC 3339, UTC.
     pub made_at: String,
     /// Wall time of the whole unit, s.
@@ -115,17 +117,6 @@ pub struct ArmTrial {
     pub safety_violations: u64,
     /// What of the world was varied, and by which factor.
     pub world: BTreeMap<String, f64>,
-}
-
-impl Cell {
-    /// What it was made of: the hashes of task and observation model, and the shield's.
-    pub fn made_of(&self) -> (&str, Option<&str>) {
-        let hash = self.task_hash.as_str();
-        match hash.match_indices('-').nth(1) {
-            Some((at, _)) => (&hash[..at], Some(&hash[at + 1..])),
-            None => (hash, None),
-        }
-    }
 }
 
 impl CellResult {

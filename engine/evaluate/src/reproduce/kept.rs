@@ -80,18 +80,23 @@ pub fn write(results: &Results, folder: &Path) -> Result<PathBuf, KeptError> {
         id: id.to_owned(),
         heatmap: heatmap.clone(),
     });
+    let file = folder.join(FILE);
+    lines(cells.chain(heatmaps))
+        .and_then(|text| write_whole(&file, text.as_bytes()))
+        .map_err(|source| KeptError::Write {
+            file: file.clone(),
+            source,
+        })?;
+    Ok(file)
+}
+
+fn lines(lines: impl Iterator<Item = Line>) -> std::io::Result<String> {
     let mut text = String::new();
-    for line in cells.chain(heatmaps) {
-        // Numbers, texts and lists under text keys always make JSON.
-        text += &serde_json::to_string(&line).unwrap_or_default();
+    for line in lines {
+        text += &serde_json::to_string(&line)?;
         text.push('\n');
     }
-    let file = folder.join(FILE);
-    write_whole(&file, text.as_bytes()).map_err(|source| KeptError::Write {
-        file: file.clone(),
-        source,
-    })?;
-    Ok(file)
+    Ok(text)
 }
 
 /// Lays the cells and heatmaps of `file` into the folder `results`, each marked as taken from a

@@ -230,7 +230,6 @@ fn table_ii(results: &Results) -> Vec<Block> {
 fn mixtures(results: &Results) -> Vec<String> {
     let mut hashes: BTreeMap<(&str, Option<u32>, &str), BTreeSet<&str>> = BTreeMap::new();
     for (_, cell) in results.cells() {
-        let (object, shield) = cell.made_of();
         let (task, frequency) = (cell.unit.task(), cell.unit.belief_frequency());
         let mut found = |what, hash| {
             _ = hashes
@@ -238,8 +237,8 @@ fn mixtures(results: &Results) -> Vec<String> {
                 .or_default()
                 .insert(hash);
         };
-        found("object files", object);
-        if let Some(shield) = shield {
+        found("object files", cell.task_hash.as_str());
+        if let Some(shield) = &cell.shield_hash {
             found("shields", shield);
         }
     }

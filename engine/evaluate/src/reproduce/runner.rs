@@ -123,8 +123,11 @@ impl Job<'_> {
         let prepared = self
             .workshop
             .object(self.unit.task(), self.unit.belief_frequency())?;
-        let task_hash = hash_of(&prepared.task, self.unit);
-        if earlier.is_some_and(|cell| self.holds(cell, &task_hash)) {
+        let task_hash = hash_of(&prepared.task);
+        let shield_hash = shield_hash_of(&prepared.task, self.unit);
+        if earlier.is_some_and(|cell| {
+            cell.task_hash == task_hash && cell.shield_hash == shield_hash && self.holds(cell)
+        }) {
             return Ok(None);
         }
         let result = self.result(&prepared, progress)?;
@@ -134,6 +137,7 @@ impl Job<'_> {
             engine_version: env!("CARGO_PKG_VERSION").to_owned(),
             vector_unit: VectorUnit::best().to_string(),
             task_hash,
+            shield_hash,
             made_at: pubs_run::utc::now(),
             time_s,
             without_policy: false,
@@ -143,11 +147,10 @@ impl Job<'_> {
         Ok(Some(time_s))
     }
 
-    fn holds(&self, cell: &Cell, task_hash: &str) -> bool {
+    /// Whether a cell of the same object and shield is of this unit and made as asked.
+    fn holds(&self, cell: &Cell) -> bool {
         let workshop = self.workshop;
-        let same = cell.unit == *self.unit
-            && cell.task_hash == task_hash
-            && cell.engine_version == env!("CARGO_PKG_VERSION");
+        let same = cell.unit == *self.unit && cell.engine_version == env!("CARGO_PKG_VERSION");
         let there = |policy: &str| cell.without_policy || workshop.policy(policy).is_file();
         let as_asked = match &cell.result {
             CellResult::Training {
@@ -174,10 +177,7 @@ impl Job<'_> {
 
     /// The training whose best policy trials on the arm take.
     fn arm_training(&self) -> Training<'_> {
-        Training {
-            shielded: true,
-            ..Training::new(self.unit.task(), GoalName::Middle, Method::Pubs)
-        }
+        deployed(self.unit.task(), GoalName::Middle)
     }
 
     /// What its cell says of that policy's weights; the file itself may be in a kept report only.
@@ -266,11 +266,7 @@ pub fn keep(
 ) -> Result<(), WorkshopError> {
     for task in OBJECTS {
         for goal in GOALS {
-            let training = Training {
-                shielded: true,
-                ..Training::new(task, goal, Method::Pubs)
-            };
-            let Ok(policy) = best_policy(workshop, results, &training) else {
+            let Ok(policy) = best_policy(workshop, results, &deployed(task, goal)) else {
                 continue;
             };
             let prepared = workshop.object(task, None)?;
@@ -301,6 +297,14 @@ pub fn heatmaps(workshop: &Workshop<'_>, results: &Results) -> Result<(), Worksh
     Ok(())
 }
 
+/// The training whose best seed moves an arm: PuBS under the shield.
+fn deployed(task: &str, goal: GoalName) -> Training<'_> {
+    Training {
+        shielded: true,
+        ..Training::new(task, goal, Method::Pubs)
+    }
+}
+
 /// The policy of the best seed of a training.
 fn best_policy(
     workshop: &Workshop<'_>,
@@ -318,7 +322,7 @@ fn best_policy(
     let path = workshop.policy(&policy_file(&unit));
     if !path.is_file() {
         return Err(WorkshopError(format!(
-            "the policy {} is not there, its cell was taken from a kept report: make it with --cells {} --again",
+            "the policy {} is not there, as where its cell was taken from a kept report: make it with --cells {} --again",
             path.display(),
             unit.id()
         )));
@@ -338,16 +342,17 @@ fn store_json(
         .map_err(|error| WorkshopError(format!("cannot write {}: {error}", path.display())))
 }
 
-/// Of what a cell holds for: the task, its observation model, and the shield where there is one.
-fn hash_of(task: &Task, unit: &Unit) -> String {
+/// Of the task and of its observation model: a cell holds for both.
+fn hash_of(task: &Task) -> String {
     let task_hash = pubs_policy::task_hash(&task.policy_ingredients());
-    let hash = format!("{}-{}", &task_hash[..16], &task.observation_hash()[..16]);
-    if !may_be_shielded(task, unit) {
-        return hash;
-    }
+    format!("{}-{}", &task_hash[..16], &task.observation_hash()[..16])
+}
+
+/// Of the shield, where one has a say in the cell.
+fn shield_hash_of(task: &Task, unit: &Unit) -> Option<String> {
     let Shield { mass, flattening } = task.policy.shield;
     let shield = json!({ "mass": mass, "flattening": flattening, "margin": shield::margin(task) });
-    format!("{hash}-{}", &pubs_policy::task_hash(&shield)[..16])
+    may_be_shielded(task, unit).then(|| pubs_policy::task_hash(&shield)[..16].to_owned())
 }
 
 /// Whether a shield has a say in a cell: in training, in half of the trials, or on the arm.

@@ -2,7 +2,8 @@
  * An observation model in C, as a user may write one: the door gets heavier as it opens.
  *
  * f_d is normal with mean = slope_n_per_rad * state and sigma 0.5 N; the handle moves (m_p) with
- * probability 0.95. -DFAULT_ABI, -DFAULT_NAN and -DFAULT_CREATE make broken ones.
+ * probability 0.95. -DFAULT_ABI, -DFAULT_NAN and -DFAULT_CREATE make broken ones; -DLIKELIHOODS
+ * gives likelihoods and samples in place of moments.
  */
 #include <math.h>
 #include <stdio.h>
@@ -85,6 +86,9 @@ static pubs_status moments(void *instance, size_t action, const float *before, c
     if (action >= ACTIONS) {
         return fail(error, error_capacity, "there is no such action");
     }
+#ifdef LIKELIHOODS
+    return PUBS_ABSENT;
+#endif
     for (i = 0; i < count; i++) {
         mean[i] = own->slope * after[i];
         sigma[i] = 0.5f;
@@ -99,9 +103,48 @@ static pubs_status moments(void *instance, size_t action, const float *before, c
     return PUBS_OK;
 }
 
+#ifdef LIKELIHOODS
+static pubs_status log_likelihood(void *instance, size_t action, const float *before, const float *after,
+                                  size_t count, const float *observation, float *log_likelihood, char *error,
+                                  size_t error_capacity) {
+    const ramp *own = instance;
+    size_t i;
+    (void)before;
+    if (action >= ACTIONS) {
+        return fail(error, error_capacity, "there is no such action");
+    }
+    for (i = 0; i < count; i++) {
+        float deviation = (observation[0] - own->slope * after[i]) / 0.5f;
+        /* 0.2257914 = ln(0.5 sqrt(2 pi)) */
+        log_likelihood[i] = -0.5f * deviation * deviation - 0.2257914f + logf(observation[1] > 0.5f ? 0.95f : 0.05f);
+    }
+    return PUBS_OK;
+}
+
+static pubs_status sample(void *instance, size_t action, const float *before, const float *after, size_t count,
+                          const float *normals, float *observations, char *error, size_t error_capacity) {
+    const ramp *own = instance;
+    size_t i;
+    (void)before;
+    if (action >= ACTIONS) {
+        return fail(error, error_capacity, "there is no such action");
+    }
+    for (i = 0; i < count; i++) {
+        observations[i] = own->slope * after[i] + 0.5f * normals[i];
+        /* -1.6448536 is the 5th percentile of a standard normal. */
+        observations[count + i] = normals[count + i] > -1.6448536f ? 1.0f : 0.0f;
+    }
+    return PUBS_OK;
+}
+
+static const pubs_observation_model_table functions = {
+    sizeof(pubs_observation_model_table), 0, create, destroy, channels, moments, NULL, log_likelihood, sample,
+};
+#else
 static const pubs_observation_model_table functions = {
     sizeof(pubs_observation_model_table), 0, create, destroy, channels, moments, NULL, NULL, NULL,
 };
+#endif
 
 static const pubs_plugin_table table = {
     sizeof(pubs_plugin_table),

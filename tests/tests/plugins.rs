@@ -213,6 +213,42 @@ fn a_broken_model_is_refused_in_words() {
     }
 }
 
+/// Offset and friction can only be estimated from what a model expects to be read.
+#[test]
+fn a_model_without_moments_serves_the_plain_filter_only() {
+    if no_c_compiler() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    ramp_in_c(folder.path(), &["LIKELIHOODS"]);
+    let object = write_object(folder.path(), "ramp", "slope_n_per_rad = 4.0");
+    let verbs = [
+        "check",
+        "train --steps 20000 --seeds 1 --trials 100 -o policy.onnx",
+        "run --goal 0.5 --lockstep",
+    ];
+    for verb in verbs {
+        let mut arguments = words(verb);
+        arguments.extend([object.as_str(), "--plugin-dir", "."]);
+        pubs(folder.path(), &arguments)
+            .assert_code(2)
+            .assert_says(&[
+                "door.toml:49:10",
+                "observation model `ramp` gives likelihoods only",
+                "filter = \"sis\"",
+            ]);
+    }
+    let plain = [
+        "check",
+        &object,
+        "--plugin-dir",
+        ".",
+        "--set",
+        "belief.filter=sis",
+    ];
+    pubs(folder.path(), &plain).assert_code(0);
+}
+
 #[test]
 fn a_file_that_is_no_library_is_refused_in_words() {
     let folder = tempfile::tempdir().unwrap();

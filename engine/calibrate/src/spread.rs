@@ -266,6 +266,7 @@ pub(crate) fn bare_task(joint: Joint) -> Task {
             rate_hz: 1.0,
             tempering: 1.0,
             reading_spacing: 0.0,
+            force_bias: None,
         },
         policy: PolicySettings {
             rate_hz: 1.0,

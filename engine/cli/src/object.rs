@@ -8,7 +8,7 @@ use pubs_core::belief::Model;
 use pubs_core::object::{self, Fault, Faults, LoadedObject, Overrides, key_of_pointer};
 use pubs_core::seed::stream;
 use pubs_core::task::compile;
-use pubs_host::{HostError, ParameterFault, Registry};
+use pubs_host::{HostError, ModelInstance, ParameterFault, Registry};
 
 use crate::built_in;
 use crate::failure::Failure;
@@ -82,6 +82,9 @@ pub fn without_driver(
         Ok(model) => model,
         Err(error) => return Err(refusal(&loaded, error)),
     };
+    if let Some(fault) = moments_fault(&loaded, &task, &model) {
+        return Err(Failure::Faults(Faults(vec![fault])));
+    }
     let model_plugin = format!("{} {}", model.plugin().name(), model.plugin().version());
     show::detail(|| {
         let origin = model.plugin().origin();
@@ -174,7 +177,7 @@ fn faults_of(loaded: Result<LoadedObject, Faults>, registry: &Registry) -> Vec<F
         .observation_model(&task.observation.model)
         .and_then(|plugin| plugin.create(&task.model_setup(0)));
     match created {
-        Ok(_) => Vec::new(),
+        Ok(model) => moments_fault(&loaded, &task, &model).into_iter().collect(),
         Err(error) => {
             let faults = segment_faults(&loaded, &error);
             if faults.is_empty() {
@@ -328,6 +331,21 @@ fn segment_faults(loaded: &LoadedObject, error: &HostError) -> Vec<Fault> {
         ))
     });
     faults.collect()
+}
+
+/// A bias can only be estimated from what a model expects to be read.
+fn moments_fault(loaded: &LoadedObject, task: &Task, model: &ModelInstance) -> Option<Fault> {
+    let refused = task.belief.force_bias.is_some() && !model.is_gaussian();
+    refused.then(|| {
+        loaded.fault(
+            "belief.filter",
+            format!(
+                "the filter \"rao_blackwell\" asks for expected forces and their spread, and the observation model `{}` gives likelihoods only",
+                task.observation.model
+            ),
+            "write filter = \"sis\", or use a model that provides moments",
+        )
+    })
 }
 
 fn model_fault(loaded: &LoadedObject, error: &HostError) -> Fault {

@@ -70,7 +70,7 @@ pub fn named(
     let file = PolicyFile::read(path).map_err(|error| incompatible(&error))?;
     for goal in goals {
         let warnings = file
-            .check(&expected_of(task, *goal))
+            .check(&expected_of(task, method_of(&file), *goal))
             .map_err(|error| incompatible(&error))?;
         for warning in warnings {
             show::say(&format!("warning: {}: {warning}", path.display()));
@@ -148,12 +148,18 @@ pub fn fixed_goal(file: &PolicyFile) -> Option<f64> {
     }
 }
 
+/// What it was trained by; a file that does not say is taken for the paper's.
+fn method_of(file: &PolicyFile) -> Method {
+    file.contract()
+        .map_or(Method::Pubs, |contract| contract.method)
+}
+
 fn fits(path: &Path, task: &Task, goals: &[Option<f64>]) -> Result<PolicyFile, String> {
     let file = PolicyFile::read(path).map_err(|error| chain(&error))?;
     let mut warnings = Vec::new();
     for goal in goals {
         warnings = file
-            .check(&expected_of(task, *goal))
+            .check(&expected_of(task, method_of(&file), *goal))
             .map_err(|error| chain(&error))?;
     }
     for warning in warnings {

@@ -1,5 +1,5 @@
 //! Filter updates and surrogate steps per second, on door2's observation model through the plugin
-//! table: `cargo bench -p pubs-evaluate --bench filter`.
+//! table, with the plain filter and with one that estimates what readings are off by: `cargo bench -p pubs-evaluate --bench filter`.
 #![allow(missing_docs, clippy::unwrap_used, reason = "a bench is no interface")]
 
 use std::path::Path;
@@ -18,31 +18,45 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 const RUNS: usize = 9;
 
 fn main() {
-    let door = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../objects/door2.toml");
     for particles in [100, 300, 3000] {
-        let overrides = Overrides::from_process([format!("belief.particles={particles}")]);
-        let file = object::load(&door, &overrides).unwrap().file;
-        let task = Arc::new(compile(&file).unwrap());
-        let registry = Registry::new(&[pubs_segments::table()], Vec::new());
-        let plugin = registry.observation_model(&task.observation.model).unwrap();
-        let model: Arc<dyn Model> = Arc::new(plugin.create(&task.model_setup(0)).unwrap());
-        let update_ns = measure(|| updates(&task, &model));
-        let step_ns = measure(|| steps(&task, &model));
+        let [plain, biased] = ["sis", "rao_blackwell"].map(|filter| report(particles, filter));
         println!(
-            "N = {particles:<5} filter update {:>6.0} ns ({:.0}..{:.0}), {:.2} million/s; surrogate policy step {:>6.0} ns ({:.0}..{:.0})",
-            update_ns.1,
-            update_ns.0,
-            update_ns.2,
-            1e3 / update_ns.1,
-            step_ns.1,
-            step_ns.0,
-            step_ns.2,
+            "N = {particles:<5} rao_blackwell / sis: update {:.2}, step {:.2}",
+            biased.0 / plain.0,
+            biased.1 / plain.1
         );
     }
     println!(
         "vector unit {}, median of {RUNS} runs (least..most)",
         pubs_core::vector::VectorUnit::best()
     );
+}
+
+/// Prints what an update and a step cost, and gives the medians, ns.
+fn report(particles: u32, filter: &str) -> (f64, f64) {
+    let door = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../objects/door2.toml");
+    let overrides = Overrides::from_process([
+        format!("belief.particles={particles}"),
+        format!("belief.filter={filter}"),
+    ]);
+    let file = object::load(&door, &overrides).unwrap().file;
+    let task = Arc::new(compile(&file).unwrap());
+    let registry = Registry::new(&[pubs_segments::table()], Vec::new());
+    let plugin = registry.observation_model(&task.observation.model).unwrap();
+    let model: Arc<dyn Model> = Arc::new(plugin.create(&task.model_setup(0)).unwrap());
+    let update_ns = measure(|| updates(&task, &model));
+    let step_ns = measure(|| steps(&task, &model));
+    println!(
+        "N = {particles:<5} {filter:<13} update {:>6.0} ns ({:.0}..{:.0}), {:.2} million/s; surrogate policy step {:>6.0} ns ({:.0}..{:.0})",
+        update_ns.1,
+        update_ns.0,
+        update_ns.2,
+        1e3 / update_ns.1,
+        step_ns.1,
+        step_ns.0,
+        step_ns.2,
+    );
+    (update_ns.1, step_ns.1)
 }
 
 /// Least, median and most of several runs, ns per operation.

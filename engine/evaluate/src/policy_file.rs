@@ -4,9 +4,10 @@ use std::path::Path;
 
 use pubs_core::Task;
 use pubs_policy::{
-    Contract, Existing, Expected, ExportError, Feature, Network, PolicyFile, Runtime,
+    Contract, Existing, Expected, ExportError, Feature, Method, Network, PolicyFile, Runtime,
 };
 use pubs_train::surrogate::Goals;
+use serde_json::Value;
 
 use crate::candidates::TrainingPlan;
 use crate::training::TrainedSeed;
@@ -16,10 +17,19 @@ const PROBES: usize = 1000;
 /// Of them, in the case of a recurrent network, so many are the steps of one episode.
 const PROBED_STEPS: usize = 50;
 
-/// What `task` asks of a policy, for this goal state or for any.
-pub fn expected_of(task: &Task, goal: Option<f64>) -> Expected {
+/// What of `task` a policy of this method was trained for.
+pub(crate) fn ingredients_for(task: &Task, method: Method) -> Value {
+    if method.has_belief() {
+        task.policy_ingredients()
+    } else {
+        task.raw_policy_ingredients()
+    }
+}
+
+/// What `task` asks of a policy of this method, for this goal state or for any.
+pub fn expected_of(task: &Task, method: Method, goal: Option<f64>) -> Expected {
     Expected {
-        task: task.policy_ingredients(),
+        task: ingredients_for(task, method),
         observation_hash: task.observation_hash(),
         actions: task
             .actions
@@ -38,7 +48,7 @@ pub(crate) fn contract_of(
     evaluation_reward: f64,
     trained: &TrainedSeed,
 ) -> Contract {
-    let ingredients = task.policy_ingredients();
+    let ingredients = ingredients_for(task, plan.method);
     Contract {
         format_version: trained.network.format_version(),
         object: task.name.clone(),

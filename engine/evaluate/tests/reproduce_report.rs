@@ -247,26 +247,35 @@ fn files_that_were_passed_over_are_named() {
 }
 
 #[test]
-fn cells_of_another_object_file_or_shield_are_said_not_to_compare() {
+fn cells_of_another_object_file_filter_or_shield_are_said_not_to_compare() {
     let unit = |seed| training("door2", GoalName::Middle, Method::Pubs, seed);
+    let (plain, shielded) = (
+        ("file", Some("filter"), None),
+        ("file", Some("filter"), Some("shield")),
+    );
     let cases = [
-        ([("file", None), ("file", Some("shield"))], None),
+        ([plain, shielded], None),
+        ([("file", None, None), shielded], None),
         (
-            [("file", Some("shield")), ("other", Some("shield"))],
+            [shielded, ("other", Some("filter"), Some("shield"))],
             Some("2 different object files"),
         ),
         (
-            [("file", None), ("other", Some("shield"))],
+            [plain, ("other", None, None)],
             Some("2 different object files"),
         ),
         (
-            [("file", Some("shield")), ("file", Some("other"))],
+            [shielded, ("file", Some("other"), Some("shield"))],
+            Some("2 different filters"),
+        ),
+        (
+            [shielded, ("file", Some("filter"), Some("other"))],
             Some("2 different shields"),
         ),
     ];
     for (hashes, said) in cases {
         let folder = TempDir::new().unwrap();
-        for (seed, (file, shield)) in (1..).zip(hashes) {
+        for (seed, (file, filter, shield)) in (1..).zip(hashes) {
             let unit = unit(seed);
             let result = trained(0.5, 0.5, 0.001, 0, true);
             store(folder.path(), unit.clone(), result);
@@ -274,6 +283,7 @@ fn cells_of_another_object_file_or_shield_are_said_not_to_compare() {
             let text = std::fs::read_to_string(&path).unwrap();
             let mut cell: Cell = serde_json::from_str(&text).unwrap();
             cell.task_hash = file.to_owned();
+            cell.filter_hash = filter.map(str::to_owned);
             cell.shield_hash = shield.map(str::to_owned);
             std::fs::write(&path, serde_json::to_string(&cell).unwrap()).unwrap();
         }

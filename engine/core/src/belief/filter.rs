@@ -14,10 +14,11 @@ use std::sync::Arc;
 
 use pubs_plugin::{ChannelKind, Support, Transitions};
 
+use super::bias::Biases;
 use super::moments::Moments;
 use super::{Cloud, Model, ModelError, Summary, likelihood, weights};
-use crate::Task;
 use crate::vector::VectorUnit;
+use crate::{Action, Task};
 
 /// ln of the predictive density (forces in N, constants left out) below which an observation is
 /// impossible: a reading some 14 standard deviations from everything the belief holds likely.
@@ -107,12 +108,13 @@ impl fmt::Display for Observed {
 pub struct Filter {
     model: Arc<dyn Model>,
     unit: VectorUnit,
-    action_names: Arc<[String]>,
+    actions: Arc<[Action]>,
     tempering: f32,
     reading_spacing: f64,
     prior: Cloud,
     cloud: Cloud,
     before: Cloud,
+    biases: Option<Biases>,
     log_weights: Vec<f32>,
     previous: Vec<f32>,
     log_likelihood: Vec<f32>,
@@ -136,19 +138,20 @@ impl Filter {
         let particles = task.belief.particles;
         let prior = Cloud::on(unit, &task.joint, particles);
         let channels = model.channels().len();
+        let biases = task
+            .belief
+            .force_bias
+            .map(|settings| Biases::new(settings, particles, model.channels()));
         let mut filter = Self {
             model,
             unit,
-            action_names: task
-                .actions
-                .iter()
-                .map(|action| action.name.clone())
-                .collect(),
+            actions: task.actions.as_slice().into(),
             tempering: task.belief.tempering as f32,
             reading_spacing: task.belief.reading_spacing,
             cloud: prior.clone(),
             before: prior.clone(),
             prior,
+            biases,
             log_weights: vec![0.0; particles],
             previous: vec![0.0; particles],
             log_likelihood: vec![0.0; particles],
@@ -170,7 +173,7 @@ impl Filter {
     /// Forgets everything.
     pub fn reset(&mut self) {
         self.cloud.clone_from(&self.prior);
-        self.log_weights.fill(0.0);
+        self.forget_weights_and_biases();
         self.recoveries = 0;
         self.recoveries_in_a_row = 0;
         self.travel_since_reading = f64::INFINITY;
@@ -260,6 +263,9 @@ impl Filter {
             });
         }
         self.before.clone_from(&self.cloud);
+        if let Some(biases) = &mut self.biases {
+            biases.remember();
+        }
         self.previous.copy_from_slice(&self.log_weights);
         let counts_force = self.counts_force_reading(displacement);
         self.cloud.shift(displacement);
@@ -268,6 +274,9 @@ impl Filter {
             .and_then(|()| self.settle(action, observation));
         if result.is_err() {
             std::mem::swap(&mut self.cloud, &mut self.before);
+            if let Some(biases) = &mut self.biases {
+                biases.restore();
+            }
             self.log_weights.copy_from_slice(&self.previous);
             self.normalise();
         }
@@ -320,11 +329,13 @@ impl Filter {
             let (mean, sigma) = (self.moments.mean(index), self.moments.sigma(index));
             match channel.kind {
                 ChannelKind::Gaussian if counts_force => {
-                    likelihood::add_gaussian(
+                    let biases = self.biases.as_mut();
+                    let biases = biases.map(|all| all.of(index, &self.actions[action]));
+                    likelihood::add_force(
                         self.unit,
                         &mut self.log_weights,
-                        mean,
-                        sigma,
+                        (mean, sigma),
+                        biases,
                         observed,
                         self.tempering,
                     );
@@ -349,6 +360,10 @@ impl Filter {
         observation: &[f32],
         counts_force: bool,
     ) -> Result<(), BeliefError> {
+        if self.biases.is_some() {
+            let message = "the filter rao_blackwell needs a model that provides moments";
+            return Err(ModelError(message.to_owned()).into());
+        }
         if !counts_force {
             return Ok(());
         }
@@ -403,7 +418,7 @@ impl Filter {
     }
 
     fn start_afresh(&mut self, action: usize, observation: &[f32]) -> Result<(), BeliefError> {
-        self.log_weights.fill(0.0);
+        self.forget_weights_and_biases();
         self.weigh(action, observation, true)?;
         let best = self
             .log_weights
@@ -419,6 +434,13 @@ impl Filter {
         }
         self.normalise();
         Ok(())
+    }
+
+    fn forget_weights_and_biases(&mut self) {
+        self.log_weights.fill(0.0);
+        if let Some(biases) = &mut self.biases {
+            biases.forget();
+        }
     }
 
     /// Normalises and summarises; ln of what the weights summed to.
@@ -460,10 +482,9 @@ impl Filter {
     }
 
     fn action_name(&self, action: usize) -> String {
-        self.action_names
+        self.actions
             .get(action)
-            .cloned()
-            .unwrap_or_else(|| format!("action {action}"))
+            .map_or_else(|| format!("action {action}"), |action| action.name.clone())
     }
 }
 

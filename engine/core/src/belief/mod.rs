@@ -6,8 +6,10 @@
 //! *normalise* makes the weights sum to one, eq. (8) (`weights`);
 //! *summarise* takes mean and entropy, eq. (9) and (10), the latter over places: particles that a
 //! limit has gathered count as one.
+//! Where the object asks for it, each particle also estimates what readings are off by (`bias`).
 //! Weights are kept as logarithms. `filter` says what happens when nothing fits any more.
 
+mod bias;
 mod cloud;
 mod filter;
 mod likelihood;
@@ -30,6 +32,20 @@ pub struct BeliefSettings {
     pub tempering: f64,
     /// One force reading counts per this much travel or reversal (rad, m or plain); 0: every one.
     pub reading_spacing: f64,
+    /// What each particle takes readings to be off by; `None` where they are taken at their word.
+    pub force_bias: Option<ForceBias>,
+}
+
+/// What readings are off by, a little differently at each run: every particle estimates it for
+/// itself, `filter = "rao_blackwell"`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ForceBias {
+    /// Standard deviation of the offset that a tare leaves in each axis of the force sensor, N.
+    pub offset_sd_n: f64,
+    /// Standard deviation of that offset's change from one counted reading to the next, N.
+    pub offset_walk_n: f64,
+    /// Standard deviation of the friction against what it was at calibration, N.
+    pub friction_sd_n: f64,
 }
 
 /// x_t = (μ_t, H_t), what the policy sees of a belief.

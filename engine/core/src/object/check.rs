@@ -91,14 +91,6 @@ impl Checker<'_> {
     }
 
     fn wrong(&mut self, key: &Key, path: &str, value: &Value) {
-        if path == "belief.filter" && value.as_str() == Some("rao_blackwell") {
-            return self.fault(
-                path,
-                Part::Value,
-                "the filter \"rao_blackwell\" is reserved and not built yet",
-                "write filter = \"sis\"",
-            );
-        }
         let typed = self.places.origins.get(path).and_then(Origin::typed);
         let by = typed.map_or(String::new(), |typed| format!(", by `{typed}`"));
         let mut help = key.doc.to_owned();

@@ -95,8 +95,8 @@ pub const KEYS: &[Key] = &[
         "Stiffness of grasp and object at a hard stop; with it the force of the worst stop is worked out."),
 
     key("belief", STATED, Kind::Table, "", "The particle filter."),
-    key("belief.filter", STATED, Kind::Choice(&["sis"]), "",
-        "Sequential importance sampling without resampling."),
+    key("belief.filter", STATED, Kind::Choice(&["sis", "rao_blackwell"]), "",
+        "Sequential importance sampling without resampling; \"rao_blackwell\": each particle also estimates the sensor's offset and the change of friction (not for abstract objects)."),
     key("belief.particles", STATED, Kind::Whole(from_to(2.0, 1e6)), "", "Number of particles."),
     key("belief.rate_hz", ARM_DEFAULT, Kind::Number(from_to(0.1, 1000.0)), "Hz",
         "Filter updates per second; a whole number of them to each policy step."),
@@ -104,6 +104,12 @@ pub const KEYS: &[Key] = &[
         "Exponent on the likelihood of each counted force reading; 1 takes it at its word."),
     key("belief.reading_spacing_m", ARM_DEFAULT, Kind::Number(from_to(0.0, 1.0)), "m",
         "One force reading counts per this much travel or reversal; 0 counts every update."),
+    key("belief.offset_sd_n", ARM_DEFAULT, Kind::Number(from_to(0.0, 1000.0)), "N",
+        "How large an offset a tare leaves in each axis of the force sensor, standard deviation; for \"rao_blackwell\"."),
+    key("belief.offset_walk_n", ARM_DEFAULT, Kind::Number(from_to(0.0, 1000.0)), "N",
+        "How much that offset changes from one counted reading to the next, standard deviation; for \"rao_blackwell\"."),
+    key("belief.friction_sd_n", ARM_DEFAULT, Kind::Number(from_to(0.0, 1000.0)), "N",
+        "How far the object's friction may be from what it was at calibration, standard deviation; for \"rao_blackwell\"."),
 
     key("policy", ALL_DEFAULT, Kind::Table, "", "The policy and how often it acts."),
     key("policy.rate_hz", ARM_DEFAULT, Kind::Number(from_to(0.1, 1000.0)), "Hz", "Actions chosen per second."),

@@ -3,12 +3,14 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use figment::value::Dict;
+use figment::value::{Dict, Value};
 
 use super::document::{self, Document};
 use super::fault::{Fault, Faults};
 use super::layers::{self, Merged, Overrides};
 use super::places::{Location, Part, Places};
+use super::raw::Filter;
+use super::rules::FORCE_BIAS;
 use super::{ObjectFile, check, rules};
 
 /// An object file that has passed every check of its own keys, with all layers merged.
@@ -39,7 +41,14 @@ impl LoadedObject {
     /// # Errors
     /// In words, where a value has no form in TOML.
     pub fn resolved_text(&self) -> Result<String, String> {
-        toml::to_string(&self.merged).map_err(|error| error.to_string())
+        let mut values = self.merged.clone();
+        // Nor does it state defaults that its filter would not ask for.
+        if let (Filter::Sis, Some(Value::Dict(_, belief))) =
+            (self.file.belief.filter, values.get_mut("belief"))
+        {
+            belief.retain(|name, _| !FORCE_BIAS.contains(&format!("belief.{name}").as_str()));
+        }
+        toml::to_string(&values).map_err(|error| error.to_string())
     }
 
     /// Where the value of a key was written (`joint.limits_deg`, `observation.segment.3.to_deg`);

@@ -161,6 +161,15 @@ pub struct Belief {
     /// One force reading counts per this much travel or reversal, m; 0: every update.
     #[serde(default)]
     pub reading_spacing_m: f64,
+    /// Standard deviation of the offset that a tare leaves, N; for `rao_blackwell` alone.
+    #[serde(default)]
+    pub offset_sd_n: f64,
+    /// Standard deviation of its change from one counted reading to the next, N.
+    #[serde(default)]
+    pub offset_walk_n: f64,
+    /// Standard deviation of the friction against what it was at calibration, N.
+    #[serde(default)]
+    pub friction_sd_n: f64,
 }
 
 /// The filters that an object file may name.
@@ -169,6 +178,8 @@ pub struct Belief {
 pub enum Filter {
     /// Sequential importance sampling without resampling, eqs. (6) to (10).
     Sis,
+    /// The same, and each particle estimates what readings are off by.
+    RaoBlackwell,
 }
 
 /// `[policy]`.

@@ -6,7 +6,7 @@ use serde_json::Value;
 use pubs_plugin::JointType;
 
 use super::{DriverTable, ObservationTable, PolicySettings, Task};
-use crate::belief::BeliefSettings;
+use crate::belief::{BeliefSettings, ForceBias};
 use crate::controller::Control;
 use crate::joint::{Geometry, Joint, JointKind};
 use crate::object::raw;
@@ -44,6 +44,14 @@ pub fn compile(file: &raw::ObjectFile) -> Result<Task, MissingKey> {
         rate_hz: file.belief.rate_hz.unwrap_or(policy.rate_hz),
         tempering: file.belief.tempering,
         reading_spacing: file.belief.reading_spacing_m * joint.per_metre(),
+        force_bias: match file.belief.filter {
+            raw::Filter::Sis => None,
+            raw::Filter::RaoBlackwell => Some(ForceBias {
+                offset_sd_n: file.belief.offset_sd_n,
+                offset_walk_n: file.belief.offset_walk_n,
+                friction_sd_n: file.belief.friction_sd_n,
+            }),
+        },
     };
     let actions = match &control {
         Some(control) => arm_actions(&joint, control, &policy, &belief),

@@ -122,8 +122,39 @@ impl Task {
         })
     }
 
-    /// What a policy was trained for: it must be the same where the policy is used.
+    /// What a policy on a belief was trained for: it must be the same where the policy is used.
     pub fn policy_ingredients(&self) -> Value {
+        let mut ingredients = self.raw_policy_ingredients();
+        if let (Some(belief), Some(filter)) = (
+            ingredients["belief"].as_object_mut(),
+            self.filter_ingredients().as_object(),
+        ) {
+            belief.extend(filter.clone());
+        }
+        ingredients
+    }
+
+    /// Of those, what the filter makes of observations.
+    pub fn filter_ingredients(&self) -> Value {
+        let mut ingredients = json!({
+            "particles": self.belief.particles,
+            "tempering": self.belief.tempering,
+            // What the entropy is taken over: a policy learnt what its values mean.
+            "entropy_of": "places",
+        });
+        if let Some(bias) = self.belief.force_bias {
+            ingredients["force_bias"] = json!({
+                "offset_sd_n": bias.offset_sd_n,
+                "offset_walk_n": bias.offset_walk_n,
+                "friction_sd_n": bias.friction_sd_n,
+            });
+        }
+        ingredients
+    }
+
+    /// The rest, which is all that a policy on raw observations was trained for: `[belief]` only
+    /// says which observations there are.
+    pub fn raw_policy_ingredients(&self) -> Value {
         let actions: Vec<Value> = self.actions.iter().map(action_json).collect();
         json!({
             "joint": joint_json(&self.joint),
@@ -134,12 +165,8 @@ impl Task {
                 "force_threshold_n": control.force_threshold_n,
             })),
             "belief": {
-                "particles": self.belief.particles,
                 "rate_hz": self.belief.rate_hz,
-                "tempering": self.belief.tempering,
                 "reading_spacing": self.belief.reading_spacing,
-                // What the entropy is taken over: a policy learnt what its values mean.
-                "entropy_of": "places",
             },
             "policy": { "rate_hz": self.policy.rate_hz },
             "reward": {

@@ -57,6 +57,7 @@ pub fn door(particles: usize) -> Task {
             rate_hz: 30.0,
             tempering: 1.0,
             reading_spacing: 0.0,
+            force_bias: None,
         },
         policy: PolicySettings {
             rate_hz: 10.0,

@@ -22,8 +22,12 @@ pub struct Cell {
     pub engine_version: String,
     /// The vector unit on which the last bits depend.
     pub vector_unit: String,
-    /// Hashes of the task that was compiled from the object file and of its observation model.
+    /// Hashes of the task that was compiled from the object file, less its filter, and of its
+    /// observation model.
     pub task_hash: String,
+    /// Hash of the filter's settings; `None` where none follows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub filter_hash: Option<String>,
     /// Hash of the shield; `None` where none has a say.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub shield_hash: Option<String>,

@@ -225,8 +225,8 @@ fn table_ii(results: &Results) -> Vec<Block> {
     blocks
 }
 
-/// Objects whose cells were not made from one object file, or not under one shield: their numbers
-/// do not compare.
+/// Objects whose cells were not made from one object file, with one filter and under one shield:
+/// their numbers do not compare.
 fn mixtures(results: &Results) -> Vec<String> {
     let mut hashes: BTreeMap<(&str, Option<u32>, &str), BTreeSet<&str>> = BTreeMap::new();
     for (_, cell) in results.cells() {
@@ -238,6 +238,9 @@ fn mixtures(results: &Results) -> Vec<String> {
                 .insert(hash);
         };
         found("object files", cell.task_hash.as_str());
+        if let Some(filter) = &cell.filter_hash {
+            found("filters", filter);
+        }
         if let Some(shield) = &cell.shield_hash {
             found("shields", shield);
         }

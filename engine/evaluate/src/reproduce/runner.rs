@@ -10,7 +10,7 @@ use pubs_core::shield::{self, Shield};
 use pubs_core::vector::VectorUnit;
 use pubs_core::{Action, Task};
 use pubs_policy::PolicyFile;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::cell::{Cell, CellResult, GoalName, Method, Unit};
 use super::heatmap::{PICTURES, heatmap_id};
@@ -124,9 +124,13 @@ impl Job<'_> {
             .workshop
             .object(self.unit.task(), self.unit.belief_frequency())?;
         let task_hash = hash_of(&prepared.task);
+        let filter_hash = filter_hash_of(&prepared.task, self.unit);
         let shield_hash = shield_hash_of(&prepared.task, self.unit);
         if earlier.is_some_and(|cell| {
-            cell.task_hash == task_hash && cell.shield_hash == shield_hash && self.holds(cell)
+            cell.task_hash == task_hash
+                && cell.filter_hash == filter_hash
+                && cell.shield_hash == shield_hash
+                && self.holds(cell)
         }) {
             return Ok(None);
         }
@@ -137,6 +141,7 @@ impl Job<'_> {
             engine_version: env!("CARGO_PKG_VERSION").to_owned(),
             vector_unit: VectorUnit::best().to_string(),
             task_hash,
+            filter_hash,
             shield_hash,
             made_at: pubs_run::utc::now(),
             time_s,
@@ -342,17 +347,32 @@ fn store_json(
         .map_err(|error| WorkshopError(format!("cannot write {}: {error}", path.display())))
 }
 
-/// Of the task and of its observation model: a cell holds for both.
+/// Of the task, less its filter, and of its observation model: a cell holds for both.
 fn hash_of(task: &Task) -> String {
-    let task_hash = pubs_policy::task_hash(&task.policy_ingredients());
-    format!("{}-{}", &task_hash[..16], &task.observation_hash()[..16])
+    let task_hash = short_hash(&task.raw_policy_ingredients());
+    format!("{task_hash}-{}", &task.observation_hash()[..16])
+}
+
+/// Of the filter, where one follows.
+fn filter_hash_of(task: &Task, unit: &Unit) -> Option<String> {
+    let follows = match unit {
+        Unit::Training { method, .. } => method.has_belief(),
+        // The belief of alpha vectors is exact.
+        Unit::Solver { .. } => false,
+        Unit::Arm { .. } => true,
+    };
+    follows.then(|| short_hash(&task.filter_ingredients()))
 }
 
 /// Of the shield, where one has a say in the cell.
 fn shield_hash_of(task: &Task, unit: &Unit) -> Option<String> {
     let Shield { mass, flattening } = task.policy.shield;
     let shield = json!({ "mass": mass, "flattening": flattening, "margin": shield::margin(task) });
-    may_be_shielded(task, unit).then(|| pubs_policy::task_hash(&shield)[..16].to_owned())
+    may_be_shielded(task, unit).then(|| short_hash(&shield))
+}
+
+fn short_hash(ingredients: &Value) -> String {
+    pubs_policy::task_hash(ingredients)[..16].to_owned()
 }
 
 /// Whether a shield has a say in a cell: in training, in half of the trials, or on the arm.

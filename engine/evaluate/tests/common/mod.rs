@@ -127,6 +127,7 @@ pub fn store(folder: &Path, unit: Unit, result: CellResult) {
         engine_version: "0.1.0".to_owned(),
         vector_unit: "avx2".to_owned(),
         task_hash: "0123456789abcdef".to_owned(),
+        filter_hash: None,
         shield_hash: None,
         made_at: "2026-01-02T03:04:05Z".to_owned(),
         time_s: 120.0,

@@ -280,6 +280,7 @@ pub fn task() -> Task {
             rate_hz: 30.0,
             tempering: 1.0,
             reading_spacing: 0.0,
+            force_bias: None,
         },
         policy: PolicySettings {
             rate_hz: 10.0,

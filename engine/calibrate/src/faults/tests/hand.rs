@@ -92,6 +92,7 @@ fn task(kind: JointKind, upper: f64) -> Task {
             rate_hz: 30.0,
             tempering: 1.0,
             reading_spacing: 0.0,
+            force_bias: None,
         },
         policy: PolicySettings {
             rate_hz: 10.0,

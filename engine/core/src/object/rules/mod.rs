@@ -14,6 +14,13 @@ use super::fault::Fault;
 use super::layers::{Merged, Origin};
 use super::places::{Part, Places};
 
+/// Keys that the filter "rao_blackwell" alone asks for.
+pub(super) const FORCE_BIAS: [&str; 3] = [
+    "belief.offset_sd_n",
+    "belief.offset_walk_n",
+    "belief.friction_sd_n",
+];
+
 /// Checks every rule. `at_fault` are the faults of single values.
 pub(super) fn check(merged: &Merged, places: &Places, at_fault: &[Fault]) -> Vec<Fault> {
     let mut rules = Rules {
@@ -23,6 +30,7 @@ pub(super) fn check(merged: &Merged, places: &Places, at_fault: &[Fault]) -> Vec
         faults: Vec::new(),
     };
     source(&mut rules);
+    force_bias(&mut rules);
     limits::check(&mut rules);
     directions::check(&mut rules);
     actions::check(&mut rules);
@@ -70,12 +78,21 @@ impl Rules<'_> {
     /// The first of these keys whose value is not the engine's default: the one that its author
     /// can see and mend. The first where all are defaults.
     fn stated<'k>(&self, keys: &[&'k str]) -> &'k str {
-        let stated = |key: &&&str| self.places.origins.get(**key) != Some(&Origin::Default);
         keys.iter()
-            .find(stated)
+            .find(|key| self.is_stated(key))
             .or(keys.first())
             .copied()
             .unwrap_or_default()
+    }
+
+    fn is_stated(&self, key: &str) -> bool {
+        self.places.origins.get(key) != Some(&Origin::Default)
+    }
+
+    /// Whether the command line or the environment gave the value.
+    fn is_typed(&self, key: &str) -> bool {
+        let origin = self.places.origins.get(key);
+        origin.and_then(Origin::typed).is_some()
     }
 
     fn fault(&mut self, key: &str, message: impl Into<String>, help: impl Into<String>) {
@@ -108,5 +125,33 @@ fn source(rules: &mut Rules<'_>) {
             "`source.sensor` is missing, and the numbers are not assumed",
             "add `sensor = \"…\"` to [source], as the driver reports it; a driver with another sensor is refused",
         );
+    }
+}
+
+/// Only an arm's sensor has a bias, and only one filter asks how large it is.
+fn force_bias(rules: &mut Rules<'_>) {
+    let Some(filter) = rules.text("belief.filter").map(str::to_owned) else {
+        return;
+    };
+    let estimates_bias = filter == "rao_blackwell";
+    if estimates_bias && rules.text("joint.type") == Some("abstract") {
+        rules.fault(
+            "belief.filter",
+            "`belief.filter` is \"rao_blackwell\", which estimates what an arm's force sensor is off by, and an abstract object has none",
+            "write filter = \"sis\"",
+        );
+    }
+    // A file's filter may be overridden for a comparison, and its keys then stay where they are.
+    if rules.is_typed("belief.filter") {
+        return;
+    }
+    for key in FORCE_BIAS {
+        if rules.value(key).is_some() && rules.is_stated(key) && !estimates_bias {
+            rules.fault(
+                key,
+                format!("`{key}` is stated, but `belief.filter` is \"{filter}\", which does not ask for it"),
+                "write filter = \"rao_blackwell\", or take the key out",
+            );
+        }
     }
 }

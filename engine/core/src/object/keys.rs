@@ -96,7 +96,7 @@ pub const KEYS: &[Key] = &[
 
     key("belief", STATED, Kind::Table, "", "The particle filter."),
     key("belief.filter", STATED, Kind::Choice(&["sis", "rao_blackwell"]), "",
-        "Sequential importance sampling without resampling; \"rao_blackwell\": each particle also estimates the sensor's offset and the change of friction (not for abstract objects)."),
+        "\"sis\": sequential importance sampling without resampling; \"rao_blackwell\": each particle also estimates the sensor's offset and the change of friction (not for abstract objects)."),
     key("belief.particles", STATED, Kind::Whole(from_to(2.0, 1e6)), "", "Number of particles."),
     key("belief.rate_hz", ARM_DEFAULT, Kind::Number(from_to(0.1, 1000.0)), "Hz",
         "Filter updates per second; a whole number of them to each policy step."),
@@ -105,11 +105,11 @@ pub const KEYS: &[Key] = &[
     key("belief.reading_spacing_m", ARM_DEFAULT, Kind::Number(from_to(0.0, 1.0)), "m",
         "One force reading counts per this much travel or reversal; 0 counts every update."),
     key("belief.offset_sd_n", ARM_DEFAULT, Kind::Number(from_to(0.0, 1000.0)), "N",
-        "How large an offset a tare leaves in each axis of the force sensor, standard deviation; for \"rao_blackwell\"."),
+        "How large an offset a tare leaves in each axis of the force sensor, standard deviation; \"rao_blackwell\" alone uses it."),
     key("belief.offset_walk_n", ARM_DEFAULT, Kind::Number(from_to(0.0, 1000.0)), "N",
-        "How much that offset changes from one counted reading to the next, standard deviation; for \"rao_blackwell\"."),
+        "How much that offset changes from one counted reading to the next, standard deviation; \"rao_blackwell\" alone uses it."),
     key("belief.friction_sd_n", ARM_DEFAULT, Kind::Number(from_to(0.0, 1000.0)), "N",
-        "How far the object's friction may be from what it was at calibration, standard deviation; for \"rao_blackwell\"."),
+        "How far the object's friction may be from what it was at calibration, standard deviation; \"rao_blackwell\" alone uses it."),
 
     key("policy", ALL_DEFAULT, Kind::Table, "", "The policy and how often it acts."),
     key("policy.rate_hz", ARM_DEFAULT, Kind::Number(from_to(0.1, 1000.0)), "Hz", "Actions chosen per second."),

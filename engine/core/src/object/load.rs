@@ -42,7 +42,7 @@ impl LoadedObject {
     /// In words, where a value has no form in TOML.
     pub fn resolved_text(&self) -> Result<String, String> {
         let mut values = self.merged.clone();
-        // Nor does it state defaults that its filter would not ask for.
+        // A filter that an override has put in place of the file's own may not use all its keys.
         if let (Filter::Sis, Some(Value::Dict(_, belief))) =
             (self.file.belief.filter, values.get_mut("belief"))
         {

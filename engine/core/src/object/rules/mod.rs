@@ -11,10 +11,10 @@ use figment::value::{Dict, Value};
 
 use super::check::number;
 use super::fault::Fault;
-use super::layers::{Merged, Origin};
+use super::layers::{Merged, Origin, defaults_for};
 use super::places::{Part, Places};
 
-/// Keys that the filter "rao_blackwell" alone asks for.
+/// Keys that the filter "rao_blackwell" alone uses.
 pub(super) const FORCE_BIAS: [&str; 3] = [
     "belief.offset_sd_n",
     "belief.offset_walk_n",
@@ -78,15 +78,12 @@ impl Rules<'_> {
     /// The first of these keys whose value is not the engine's default: the one that its author
     /// can see and mend. The first where all are defaults.
     fn stated<'k>(&self, keys: &[&'k str]) -> &'k str {
+        let stated = |key: &&&str| self.places.origins.get(**key) != Some(&Origin::Default);
         keys.iter()
-            .find(|key| self.is_stated(key))
+            .find(stated)
             .or(keys.first())
             .copied()
             .unwrap_or_default()
-    }
-
-    fn is_stated(&self, key: &str) -> bool {
-        self.places.origins.get(key) != Some(&Origin::Default)
     }
 
     /// Whether the command line or the environment gave the value.
@@ -128,29 +125,37 @@ fn source(rules: &mut Rules<'_>) {
     }
 }
 
-/// Only an arm's sensor has a bias, and only one filter asks how large it is.
+/// Only an arm's sensor has a bias, and only one filter uses what is said of it.
 fn force_bias(rules: &mut Rules<'_>) {
     let Some(filter) = rules.text("belief.filter").map(str::to_owned) else {
         return;
     };
-    let estimates_bias = filter == "rao_blackwell";
-    if estimates_bias && rules.text("joint.type") == Some("abstract") {
-        rules.fault(
-            "belief.filter",
-            "`belief.filter` is \"rao_blackwell\", which estimates what an arm's force sensor is off by, and an abstract object has none",
-            "write filter = \"sis\"",
-        );
-    }
-    // A file's filter may be overridden for a comparison, and its keys then stay where they are.
-    if rules.is_typed("belief.filter") {
+    if filter == "rao_blackwell" {
+        if rules.text("joint.type") == Some("abstract") {
+            rules.fault(
+                "belief.filter",
+                "`belief.filter` is \"rao_blackwell\", which estimates what an arm's force sensor is off by, and an abstract object has none",
+                "the filter of an abstract object is \"sis\"",
+            );
+        }
         return;
     }
+    let defaults = defaults_for(None);
     for key in FORCE_BIAS {
-        if rules.value(key).is_some() && rules.is_stated(key) && !estimates_bias {
+        let default = lookup(&defaults, key).and_then(number);
+        // The keys of a file stay where its filter is overridden, for a comparison.
+        let left_over = rules.is_typed("belief.filter") && !rules.is_typed(key);
+        if !left_over
+            && rules
+                .number(key)
+                .is_some_and(|value| Some(value) != default)
+        {
             rules.fault(
                 key,
-                format!("`{key}` is stated, but `belief.filter` is \"{filter}\", which does not ask for it"),
-                "write filter = \"rao_blackwell\", or take the key out",
+                format!(
+                    "`{key}` is stated, but `belief.filter` is \"{filter}\", which does not use it"
+                ),
+                "let belief.filter be \"rao_blackwell\", or leave the key out",
             );
         }
     }

@@ -124,7 +124,7 @@ fn wrong_types_and_values_show_what_was_found_and_the_rule() {
             change: ("[reward]", "[belief]\nfriction_sd_n = 0.5\n[reward]"),
             at: (13, "belief.friction_sd_n"),
             message: &["is stated, but `belief.filter` is \"sis\""],
-            help: &["\"rao_blackwell\", or take the key out"],
+            help: &["\"rao_blackwell\", or leave the key out"],
         },
         Case {
             base: LIGHT_DARK,
@@ -457,5 +457,34 @@ fn no_damage_to_a_file_makes_the_engine_panic_or_blame_itself() {
                 assert!(!shown.contains("fault of the engine"), "{shown}\n{text}");
             }
         }
+    }
+}
+
+#[test]
+fn what_a_filter_does_not_use_is_refused_unless_an_override_left_it_over() {
+    let plain = "offset_sd_n = 0.1\noffset_walk_n = 0\nfriction_sd_n = 0.2";
+    let biased = "filter = \"rao_blackwell\"\noffset_sd_n = 0.5";
+    let (to_plain, to_biased) = ("belief.filter=sis", "belief.filter=rao_blackwell");
+    let cases: [(&str, &[&str], bool); 7] = [
+        (plain, &[], true),
+        (biased, &[], true),
+        ("offset_sd_n = 0.5", &[], false),
+        ("offset_sd_n = 0.5", &[to_biased], true),
+        (biased, &[to_plain], true),
+        (biased, &[to_plain, "belief.offset_sd_n=0.6"], false),
+        ("", &["belief.offset_sd_n=0.6"], false),
+    ];
+    for (belief, overrides, allowed) in cases {
+        let text = DOOR.replace("[reward]", &format!("[belief]\n{belief}\n[reward]"));
+        let loaded = super::load_with(&text, &super::set(overrides));
+        let faults: Vec<String> = loaded.err().map_or(Vec::new(), |Faults(faults)| {
+            faults.into_iter().map(|fault| fault.key).collect()
+        });
+        let expected: &[&str] = if allowed {
+            &[]
+        } else {
+            &["belief.offset_sd_n"]
+        };
+        assert_eq!(faults, expected, "{belief:?} with --set {overrides:?}");
     }
 }

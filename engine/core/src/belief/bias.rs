@@ -21,6 +21,7 @@ const ESTIMATES: usize = 5;
 /// Biases of all channels at all particles.
 pub struct Biases {
     particles: usize,
+    offset_variance: f32,
     walk_variance: f32,
     channels: Vec<ChannelKnowledge>,
     /// `[C][ESTIMATES][N]`, in one piece so that it is soon copied.
@@ -31,7 +32,6 @@ pub struct Biases {
 /// What is known of a channel's biases beforehand.
 struct ChannelKnowledge {
     turns_with_motion: bool,
-    offset_variance: f32,
     friction_variance: f32,
 }
 
@@ -43,13 +43,13 @@ impl Biases {
             let along = channel.name == "f_d";
             ChannelKnowledge {
                 turns_with_motion: along || channel.name == "f_n",
-                offset_variance: square(settings.offset_sd_n),
                 friction_variance: square(if along { settings.friction_sd_n } else { 0.0 }),
             }
         };
         let estimates = vec![0.0; channels.len() * ESTIMATES * particles];
         let mut biases = Self {
             particles,
+            offset_variance: square(settings.offset_sd_n),
             walk_variance: square(settings.offset_walk_n),
             channels: channels.iter().map(knowledge).collect(),
             before: estimates.clone(),
@@ -63,12 +63,11 @@ impl Biases {
     pub fn forget(&mut self) {
         let of_channels = self.estimates.chunks_exact_mut(ESTIMATES * self.particles);
         for (estimates, known) in of_channels.zip(&self.channels) {
-            let biases = taken_apart(estimates, self.particles, 1.0, self.walk_variance);
-            biases.offset.fill(0.0);
-            biases.friction.fill(0.0);
-            biases.offset_variance.fill(known.offset_variance);
-            biases.covariance.fill(0.0);
-            biases.friction_variance.fill(known.friction_variance);
+            estimates.fill(0.0);
+            let [_, _, offset_variance, _, friction_variance] =
+                taken_apart(estimates, self.particles);
+            offset_variance.fill(self.offset_variance);
+            friction_variance.fill(known.friction_variance);
         }
     }
 
@@ -86,30 +85,28 @@ impl Biases {
     pub fn of(&mut self, channel: usize, action: &Action) -> ForceBiases<'_> {
         let turned = self.channels[channel].turns_with_motion && action.sign() < 0.0;
         let length = ESTIMATES * self.particles;
-        taken_apart(
-            &mut self.estimates[channel * length..][..length],
-            self.particles,
-            if turned { -1.0 } else { 1.0 },
-            self.walk_variance,
-        )
+        let estimates = &mut self.estimates[channel * length..][..length];
+        let [
+            offset,
+            friction,
+            offset_variance,
+            covariance,
+            friction_variance,
+        ] = taken_apart(estimates, self.particles);
+        ForceBiases {
+            sign: if turned { -1.0 } else { 1.0 },
+            walk_variance: self.walk_variance,
+            offset,
+            friction,
+            offset_variance,
+            covariance,
+            friction_variance,
+        }
     }
 }
 
-fn taken_apart(
-    estimates: &mut [f32],
-    particles: usize,
-    sign: f32,
-    walk_variance: f32,
-) -> ForceBiases<'_> {
+/// Of one channel, in the order of [`ForceBiases`].
+fn taken_apart(estimates: &mut [f32], particles: usize) -> [&mut [f32]; ESTIMATES] {
     let mut parts = estimates.chunks_exact_mut(particles);
-    let mut next = || parts.next().unwrap_or_default();
-    ForceBiases {
-        sign,
-        walk_variance,
-        offset: next(),
-        friction: next(),
-        offset_variance: next(),
-        covariance: next(),
-        friction_variance: next(),
-    }
+    std::array::from_fn(|_| parts.next().unwrap_or_default())
 }

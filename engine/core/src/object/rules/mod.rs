@@ -140,15 +140,17 @@ fn force_bias(rules: &mut Rules<'_>) {
         }
         return;
     }
-    let defaults = defaults_for(None);
     for key in FORCE_BIAS {
-        let default = lookup(&defaults, key).and_then(number);
         // The keys of a file stay where its filter is overridden, for a comparison.
         let left_over = rules.is_typed("belief.filter") && !rules.is_typed(key);
-        if !left_over
-            && rules
-                .number(key)
-                .is_some_and(|value| Some(value) != default)
+        if left_over || rules.places.origins.get(key) == Some(&Origin::Default) {
+            continue;
+        }
+        // A default may be stated, as where the whole of [belief] was copied.
+        let default = lookup(&defaults_for(None), key).and_then(number);
+        if rules
+            .number(key)
+            .is_some_and(|value| Some(value) != default)
         {
             rules.fault(
                 key,

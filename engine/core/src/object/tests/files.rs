@@ -151,3 +151,15 @@ fn a_resolved_text_gives_the_same_object_without_its_overrides() {
         );
     }
 }
+
+#[test]
+fn a_resolved_text_leaves_out_what_an_overridden_filter_does_not_use() {
+    let plain = Overrides::new([], ["belief.filter=sis".to_owned()]);
+    for file in files(&objects()).unwrap() {
+        let loaded = load(&file, &plain).unwrap();
+        let text = loaded.resolved_text().unwrap();
+        let again = crate::object::load_text("resolved", text, &Overrides::none()).unwrap();
+        let task = |file| format!("{:?}", crate::task::compile(file).unwrap());
+        assert_eq!(task(&again.file), task(&loaded.file), "{}", file.display());
+    }
+}
